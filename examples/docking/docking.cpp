@@ -1,6 +1,8 @@
 // A ligand in a host (docking): the HIP is the ligand's centre, its orientation is the state, and
 // so are the angles of its softest bonds.
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <hapgrid/plugin.hpp>
 #include <map>
@@ -46,10 +48,16 @@ using State = std::array<double, 6 + kMostTorsions>;
 /// have in common.
 struct Given {
   double soft, torsions;
-  std::vector<double> nodes;  // origin and spacing of points, best those of the grid
-  std::string ligand, host;
+  std::string ligand, host, wall;
   std::vector<std::string> types, maps;
   bool operator==(const Given&) const = default;
+};
+
+/// The energy of the deepest orientation at each point of the grid, and a smooth function through
+/// these: what a ligand has inside atoms, whatever its orientation.
+struct Wall {
+  table::Lattice lattice;
+  table::Spline spline;
 };
 
 /// Each thread has a model, and `verify` makes them several times: reading the maps and seeking the
@@ -58,23 +66,29 @@ struct Site {
   Given given;
   Poses poses;
   std::vector<table::Atom> atoms;  // of the host, for pictures
+  Wall wall;                       // without points when none is given
   std::mutex lock{};
-  /// At the nodes, whose numbers are the keys: found when they are needed.
-  std::map<std::array<int, 3>, State> deepest{};
+  std::map<table::Spline::Counts, State> deepest{};  // at points of the wall, when they are needed
 };
+
+Wall read_wall(const std::string& text) {
+  if (text.empty()) return {};
+  Wall wall{table::read_lattice(text, "wall"), {}};
+  for (const double value : wall.lattice.values)
+    if (!std::isfinite(value)) throw std::runtime_error("wall: a value is missing");
+  wall.spline = table::Spline(wall.lattice.counts, wall.lattice.values);
+  return wall;
+}
 
 std::shared_ptr<Site> site_of(hapgrid::PluginParameters& parameters) {
   const bool by_atoms = parameters.has("host");
   Given given{parameters.positive("soft", 20),
               parameters.number("torsions", 0),
-              parameters.numbers("nodes"),
               parameters.text("ligand", ""),
               parameters.text("host", ""),
+              parameters.text("wall", ""),
               {},
               {}};
-  if (given.nodes.empty()) given.nodes = {0, 0, 0, 0.5};
-  if (given.nodes.size() != 4 || !(given.nodes[3] > 0.05))
-    throw std::runtime_error("parameter nodes must be three coordinates and a spacing");
   if (!by_atoms) given.types = parameters.texts("types"), given.maps = parameters.texts("maps");
 
   static std::mutex lock;
@@ -82,17 +96,18 @@ std::shared_ptr<Site> site_of(hapgrid::PluginParameters& parameters) {
   const std::lock_guard<std::mutex> guard(lock);
   if (last && last->given == given) return last;
   Ligand body = soft_ligand(given.ligand, given.torsions, given.soft);
+  Wall wall = read_wall(given.wall);
   if (by_atoms) {
     const std::vector<Atom> host = read_host(given.host);
     std::vector<table::Atom> atoms;
     atoms.reserve(host.size());
     for (const Atom& atom : host) atoms.push_back({atom.type, atom.place});
     Poses poses(std::move(body), host, given.soft);
-    last.reset(new Site{std::move(given), std::move(poses), std::move(atoms)});
+    last.reset(new Site{std::move(given), std::move(poses), std::move(atoms), std::move(wall)});
   } else {
     const std::vector<table::Lattice> maps = read_maps(given.maps);
     Poses poses(std::move(body), given.types, maps, given.soft);
-    last.reset(new Site{std::move(given), std::move(poses), maps[0].atoms});
+    last.reset(new Site{std::move(given), std::move(poses), maps[0].atoms, std::move(wall)});
   }
   return last;
 }
@@ -129,17 +144,16 @@ class DockingModel {
       periods[6 + (&torsion - &poses_.ligand().torsions[0])] = torsion.period;
   }
 
-  /// Those of the minima at x that are levels.
+  /// Those of the minima at x that are not inside atoms, or else the deepest one.
   std::vector<double> known_states(const double* x) const {
-    std::vector<double> known = minima(x), levels;
+    const std::vector<double> known = minima(x);
+    std::vector<double> levels;
     for (std::size_t k = 0; k < known.size(); k += size_)
       if (poses_.energy(x, &known[k], nullptr) <= highest_)
         levels.insert(levels.end(), &known[k], &known[k] + size_);
-    if (levels.empty()) {
-      levels.assign(&known[0], &known[0] + size_);
-      if (give_way(x, levels.data())) poses_.choose(levels.data());
-    }
-    return levels;
+    if (!levels.empty()) return levels;
+    const State only = deepest_of(x, known);
+    return {only.begin(), only.begin() + static_cast<std::ptrdiff_t>(size_)};
   }
 
   void convert(const double* s, const double* x, const double* d, double* result) const {
@@ -150,7 +164,7 @@ class DockingModel {
       const double part = static_cast<double>(k) / steps;
       const double at[3] = {x[0] + part * d[0], x[1] + part * d[1], x[2] + part * d[2]};
       poses_.relax(at, result);
-      if (poses_.energy(at, result, nullptr) > highest_) give_way(at, result);
+      if (has_wall() && poses_.energy(at, result, nullptr) > highest_) give_way(at, result);
     }
     if (steps > 0) poses_.choose(result);
   }
@@ -162,11 +176,11 @@ class DockingModel {
   /// At a minimum the energy does not change with the orientation, so its slope by x alone is the
   /// slope along the branch.
   void force(const double* x, const double* s, double* f) const {
-    poses_.energy(x, s, f);
+    energy_and_slope(x, s, f);
     for (int a = 0; a < 3; ++a) f[a] *= -force_scale_;
   }
 
-  double energy(const double* x, const double* s) const { return poses_.energy(x, s, nullptr); }
+  double energy(const double* x, const double* s) const { return energy_and_slope(x, s, nullptr); }
 
   void spheres(hapgrid_sphere* spheres) const {
     const auto show = [&](const std::string& type, float size) {
@@ -191,6 +205,24 @@ class DockingModel {
 
  private:
   static constexpr int kStarts = 60;
+  static constexpr double kRim = 10;  // kJ/mol above `highest`, over which a pose becomes wall
+
+  bool has_wall() const { return !site_->given.wall.empty(); }
+
+  /// That of the pose, which goes over into the wall's while the pose's rises by kRim above
+  /// `highest`. At the points of the grid both are the same.
+  double energy_and_slope(const double* x, const double* s, double* slope) const {
+    const double own = poses_.energy(x, s, slope);
+    if (!has_wall() || own <= highest_) return own;
+    const table::Lattice& lattice = site_->wall.lattice;
+    const table::Spline::Value wall = site_->wall.spline.at(lattice.coordinates(x));
+    const double way = std::min((own - highest_) / kRim, 1.0);
+    const double part = way * way * (3 - 2 * way), steep = 6 * way * (1 - way) / kRim;
+    const Vector along = lattice.gradient(wall.gradient);
+    for (int a = 0; slope && a < 3; ++a)
+      slope[a] += part * (along[a] - slope[a]) + steep * (wall.value - own) * slope[a];
+    return own + part * (wall.value - own);
+  }
 
   /// Comes to rest from the orientation in the ligand's file and many others, and takes what
   /// differs.
@@ -218,36 +250,43 @@ class DockingModel {
     return known;
   }
 
-  /// Turns s over to the deepest orientation around x, if that lies deeper at x. Inside the host a
-  /// ligand has hundreds of minima, which mean nothing, since no ligand goes there: one is enough.
-  bool give_way(const double* x, double* s) const {
-    const std::vector<double>& nodes = site_->given.nodes;
-    std::array<int, 3> node{};
+  /// Turns s over to the deepest orientation at the nearest point of the grid, if that lies deeper
+  /// at x. Inside the host a ligand has hundreds of minima, which mean nothing, since no ligand
+  /// goes there: one is enough.
+  void give_way(const double* x, double* s) const {
+    const table::Lattice& lattice = site_->wall.lattice;
+    const Vector at = lattice.coordinates(x);
+    table::Spline::Counts point{};
     for (int a = 0; a < 3; ++a)
-      node[a] = static_cast<int>(std::lround((x[a] - nodes[a]) / nodes[3]));
-    State other = deepest(node);
+      point[a] = static_cast<std::size_t>(
+          std::clamp(std::round(at[a]), 0.0, static_cast<double>(lattice.counts[a] - 1)));
+    State other = deepest(point);
     poses_.relax(x, other.data());
-    if (!(poses_.energy(x, other.data(), nullptr) < poses_.energy(x, s, nullptr))) return false;
-    std::copy_n(other.data(), size_, s);
-    return true;
+    if (poses_.energy(x, other.data(), nullptr) < poses_.energy(x, s, nullptr))
+      std::copy_n(other.data(), size_, s);
   }
 
-  State deepest(const std::array<int, 3>& node) const {
+  State deepest(const table::Spline::Counts& point) const {
     {
       const std::lock_guard<std::mutex> guard(site_->lock);
-      const auto found = site_->deepest.find(node);
+      const auto found = site_->deepest.find(point);
       if (found != site_->deepest.end()) return found->second;
     }
-    double at[3], best = 1e300;
-    for (int a = 0; a < 3; ++a) at[a] = site_->given.nodes[a] + site_->given.nodes[3] * node[a];
-    const std::vector<double> known = minima(at);
-    State state{};
-    for (std::size_t k = 0; k < known.size(); k += size_) {
-      const double energy = poses_.energy(at, &known[k], nullptr);
-      if (energy < best) best = energy, std::copy_n(&known[k], size_, state.data());
-    }
+    const Vector at = site_->wall.lattice.place(point);
+    const State state = deepest_of(at.data(), minima(at.data()));
     const std::lock_guard<std::mutex> guard(site_->lock);
-    site_->deepest.emplace(node, state);
+    site_->deepest.emplace(point, state);
+    return state;
+  }
+
+  /// Of states one after the other.
+  State deepest_of(const double* x, const std::vector<double>& states) const {
+    State state{};
+    double best = 1e300;
+    for (std::size_t k = 0; k < states.size(); k += size_) {
+      const double energy = poses_.energy(x, &states[k], nullptr);
+      if (energy < best) best = energy, std::copy_n(&states[k], size_, state.data());
+    }
     return state;
   }
 

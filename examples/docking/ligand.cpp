@@ -288,7 +288,6 @@ void keep_torsions(Ligand& ligand, const std::vector<std::size_t>& kept) {
   ligand.spread = {};
   for (Atom& atom : ligand.atoms) {
     atom.place = minus(atom.place, centre);
-    ligand.radius = std::max(ligand.radius, length(atom.place));
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 3; ++c) ligand.spread[r][c] += atom.place[r] * atom.place[c];
   }

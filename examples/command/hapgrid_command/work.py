@@ -96,7 +96,8 @@ class Work:
         if not files.is_plain(kept):
             kept = os.path.basename(os.path.realpath(self.directory))
             kept = kept if files.is_plain(kept) else self.command
-            self.kept.put("name", kept)
+            if os.path.isdir(self.directory):
+                self.kept.put("name", kept)
         return kept
 
     # Files

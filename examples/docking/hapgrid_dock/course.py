@@ -1,19 +1,22 @@
 """The course of a host and a ligand from their files to the page."""
 
-import html
 import json
 import os
 
 import numpy as np
 from hapgrid_command.files import Failed, digest, remove
-from hapgrid_table import page
+from hapgrid_table import page, readers
+from hapgrid_table.course import table_text
 from hapgrid_table.work import course
 
 from . import field, maps
 
 LARGEST = 10.0  # angstrom: the sides of a box that nobody asked for
 MAX_LEVELS = 254
-LOOKED = 200  # places, of those where the ligand fits best
+WALL = "wall.table"
+PART = 250  # points, whose deepest orientations are sought and kept at a time
+FORCE_SCALE = 0.02  # newtons for 1 kJ/(mol angstrom), unless this makes the largest force larger than
+LARGEST_FORCE = 2.7  # newtons: the search may find a little more, and a hand feels no more than 3
 TICKS = 4000  # of the way in, and as many back
 # By the number of a link's direction.
 STEPS = [np.array((i, j, k)) for k in (-1, 0, 1) for j in (-1, 0, 1) for i in (-1, 0, 1) if (i, j, k) != (0, 0, 0)]
@@ -66,7 +69,7 @@ def _define(o, work, name):
     low, high = centre - size / 2, centre + size / 2
     made = []
     if o.atoms:
-        names, tables = maps.clearance(host, ligand, low - reach, high + reach)
+        names = tables = []
     elif own:
         tables = [field.fitted(table, low - reach, high + reach) for table in tables]
     else:
@@ -78,7 +81,9 @@ def _define(o, work, name):
     work.say(f"  host of {len(host)} atoms, ligand of {len(ligand)} atoms; grid of {' x '.join(map(str, counts))} points, "
              f"{o.spacing:g} angstrom apart; {by}")
     types = "" if o.atoms else f"types = {json.dumps(names)}   # what the maps are of: AutoDock's types of atoms, charge e, desolvation d\n"
-    definition = f"""\
+
+    def definition(force_scale):
+        return f"""\
 # {name}: made by `hapgrid dock`, which keeps what is changed here and computes the grid anew when it is run
 # again. Lengths in Å.
 
@@ -88,15 +93,15 @@ plugin = "docking"
 [model.files]             # the grid carries their contents
 ligand = "ligand.pdbqt"
 {'host = "host.pdbqt"' if o.atoms else f"maps = {json.dumps(files)}"}
+wall = "{WALL}"       # the energy of the deepest pose at each point, with `soft` and `torsions` as they were made here
 
 [model.parameters]
 {types}soft = 20                 # kJ/mol: energies E above it, of an atom and of all, become soft (1 + ln(E / soft))
-highest = 0               # kJ/mol: a pose that is higher turns over to the deepest one at the nearest node
-nodes = {[*(round(float(v), 6) for v in low), o.spacing]}   # origin and spacing, in Å, of the nodes: those of the grid
+highest = 0               # kJ/mol: a pose that is higher turns over to the deepest one at the nearest point of the wall
 torsions = {o.torsions}              # so many of the ligand's bonds turn, those around which its own energy changes least
 substep = 0.1             # of the HIP between two minimisations, Å
 tolerance = 0.1           # orientations whose atoms are no farther apart, RMS, are one; Å
-force_scale = 0.02        # newtons on the device for 1 kJ/(mol Å)
+force_scale = {force_scale:<12.3g}# newtons on the device for 1 kJ/(mol Å)
 
 [grid]
 origin = {[round(float(v), 6) for v in low]}
@@ -107,41 +112,71 @@ counts = {counts}
 max_levels = {MAX_LEVELS}           # orientations that a place may have
 store = ["energy", "force"]
 """
-    work.write(".records.toml", definition)
-    _look(work, ".records.toml", names, tables, ligand, low, o.spacing, counts)
+    work.write(WALL, "")  # until it is known
+    work.write(".records.toml", definition(FORCE_SCALE))
+    largest = _wall(work, low, o.spacing, counts, o.threads)
     remove(work.path(".records.toml"))
-    work.write(f"{name}.toml", definition)
-    return [*([] if own else ["host.pdbqt"]), "ligand.pdbqt", f"{name}.toml", *files, *made]
+    work.write(f"{name}.toml", definition(FORCE_SCALE * LARGEST_FORCE / max(largest, LARGEST_FORCE)))
+    return [*([] if own else ["host.pdbqt"]), "ligand.pdbqt", WALL, f"{name}.toml", *files, *made]
 
 
 def _point(place):
     return ",".join(f"{v:g}" for v in place.round(2))
 
 
-def _look(work, toml, names, tables, ligand, low, spacing, counts):
-    """Refuses a box in which the ligand overlaps with the host everywhere, before the search does its work in vain."""
-    places = low + spacing * np.array([(i, j, k) for k in range(counts[2]) for j in range(counts[1]) for i in range(counts[0])])
-    energies = maps.look(names, tables, ligand, places)
-    if energies.min() <= 0:
-        return
-    # Turned at random it overlaps. The model knows whether it can come to rest somewhere.
-    likely = places[np.argsort(energies)[:LOOKED]].round(6).tolist()
-    work.run("seed", toml, "--set", f"seeds.points={likely}", "-o", ".records.look")
-    lowest = _records(work, ".records.look")[1].min()
-    os.remove(work.path(".records.look"))
-    if lowest > 0:
-        raise Failed(f"the ligand overlaps with the host everywhere in the box: its best energy is {lowest:.1f} kJ/mol: "
+def _wall(work, low, spacing, counts, threads):
+    """Makes the table of the wall by .records.toml, and returns the largest force of poses and wall. Refuses a box in which
+    the ligand overlaps with the host everywhere."""
+    points = (low + spacing * np.argwhere(np.ones(counts[::-1]))[:, ::-1]).round(6).tolist()
+    given = [work.version, work.read(".records.toml"), [work.digest(file) for file in work.inputs_of(".records.toml")]]
+
+    def part(begin):
+        of = points[begin:begin + PART]
+
+        def seek():
+            seeds = f".records.{begin}"
+            work.run("seed", ".records.toml", "--set", f"seeds.points={of}", "-o", seeds)
+            found = _records(work, seeds)
+            os.remove(work.path(seeds))
+            at = found["point"].astype(int) @ (1, counts[0], counts[0] * counts[1]) - begin
+            lowest = np.full(len(of), np.inf)
+            np.minimum.at(lowest, at, found["energy"])
+            poses = np.linalg.norm(found["force"][found["energy"] <= 0], axis=1)
+            return [*lowest.tolist(), float(poses.max(initial=0))]
+        return work.kept.take([*given, begin], seek, lambda kept: np.array([*kept], float).reshape(len(of) + 1))
+    found = work.each("seeking the deepest orientation at each point", part, range(0, len(points), PART), threads)
+    lowest = np.concatenate([one[:-1] for one in found])
+    if lowest.min() > 0:
+        raise Failed(f"the ligand overlaps with the host everywhere in the box: its best energy is {lowest.min():.1f} kJ/mol: "
                      "give another --centre or --size")
+    # A spline needs four points along each axis.
+    values = np.pad(lowest.reshape(counts, order="F"), 1, mode="reflect", reflect_type="odd")
+    work.write(WALL, table_text(readers.Table(values, low - spacing, spacing * np.eye(3))))
+    slopes = np.linalg.norm([_slopes(values, axis) for axis in range(3)], axis=0)[1:-1, 1:-1, 1:-1] / spacing
+    return max(*(one[-1] for one in found), FORCE_SCALE * slopes.max(where=lowest.reshape(counts, order="F") > 0, initial=0))
+
+
+def _slopes(values, axis):
+    """Of the spline (spline.hpp) at its points along an axis, by steps."""
+    f = np.moveaxis(values, axis, 0)
+    n = len(f)
+    matrix = 4 * np.eye(n) + np.eye(n, k=1) + np.eye(n, k=-1)
+    right = np.empty_like(f)
+    right[1:-1] = 3 * (f[2:] - f[:-2])
+    for end, way in ((0, 1), (n - 1, -1)):  # not a knot
+        matrix[end, [end, end + way]] = 1, 2
+        right[end] = way * (-2.5 * f[end] + 2 * f[end + way] + 0.5 * f[end + 2 * way])
+    return np.moveaxis(np.tensordot(np.linalg.inv(matrix), right, 1), 0, axis)
 
 
 def _records(work, grid):
-    """(indices of points, energies, states, records where the links lead) of all records."""
-    work.run("stats", grid, "--npy", ".records.npy")
+    """All that is known of all records."""
+    table = f"{grid if grid[0] == '.' else '.records'}.npy"
+    work.run("stats", grid, "--npy", table)
     try:
-        records = np.load(work.path(".records.npy"))
+        return np.load(work.path(table))
     finally:
-        os.remove(work.path(".records.npy"))
-    return records["point"].astype(int), records["energy"], records["state"], records["destination"]
+        os.remove(work.path(table))
 
 
 def _page(work, name):
@@ -149,7 +184,8 @@ def _page(work, name):
     report = json.loads(work.run("stats", grid, "--format", "json")[0])
     origin, spacing = np.array(report["box"]["origin"]), report["box"]["spacing"]
     counts = np.array(report["box"]["counts"])
-    points, energy, state, links = _records(work, grid)
+    records = _records(work, grid)
+    points, energy, state, links = records["point"].astype(int), records["energy"], records["state"], records["destination"]
     ends = [origin + spacing * end for end in _way(points, energy, links, counts)]
     work.write("path.txt", page.way_text(ends, "angstrom", TICKS))
     poses = _poses(points, energy, state)
@@ -164,20 +200,14 @@ def _page(work, name):
         made.append(picture)
     levels = report["average_levels"]
     table = "".join("<tr>" + "".join(f"<td>{v:.2f}" for v in row[:4]) for row in rows)
-    work.write("index.html", page.frame(name, f"""
-<p>The hand holds the ligand's centre, and the ligand turns by itself. A place has {levels:.2f} orientations on
-average, {len(report["levels_histogram"]) - 1} at most.
-<p>To feel it, in this folder:
-<p><code>hapgrid feel {grid}</code>
+    page.write_frame(work, name, f"""<p>The hand holds the ligand's centre, and the ligand turns by itself. A place has
+{levels:.2f} orientations on average, {len(report["levels_histogram"]) - 1} at most.
 <iframe src="played.html" title="the ligand on its way"></iframe>
 <h2>The way in and back</h2>
 <img src="outside.png" alt="outside"> <img src="inside.png" alt="inside">
 <img src="energy.png" alt="energy on the way"> <img src="force.png" alt="force on the way">
 <h2>The deepest poses</h2>
-<table><tr><th>energy / (kJ/mol)<th>x / Å<th>y / Å<th>z / Å{table}</table>
-<h2>The grid</h2>
-<pre>{html.escape(work.read("verify.txt"))}</pre>
-"""))
+<table><tr><th>energy / (kJ/mol)<th>x / Å<th>y / Å<th>z / Å{table}</table>""")
     return [*made, "index.html"]
 
 

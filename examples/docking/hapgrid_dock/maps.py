@@ -4,13 +4,12 @@ import os
 
 import numpy as np
 from hapgrid_command.files import Failed
-from hapgrid_table import course, readers
+from hapgrid_table import course
 
 from . import pqr
 
 MOST_HOST, MOST_LIGAND = 20_000, 200  # atoms
 MOST_BY_ATOMS = 500  # of a host without maps (ligand.hpp)
-TOUCH = 2.5  # angstrom: atoms that are nearer overlap, but for a hydrogen bond
 MOST_REMARKS = 2000  # lines
 MOST_BYTES = 64 << 20
 MOST_CELLS = 126  # of a map along an axis: AutoGrid has no more
@@ -126,38 +125,3 @@ def write(work, names, tables, host, low, high):
     for file, table in zip(files, tables):
         work.write(file, course.table_text(table))
     return files
-
-
-def clearance(host, ligand, low, high):
-    """(names, tables) for look() of a host without maps: an atom of the ligand is fine, or too near to one of the host."""
-    spacing = max(0.5, (high - low).max() / 60)
-    counts = np.ceil((high - low) / spacing).astype(int) + 1
-    places = low + spacing * np.stack(np.meshgrid(*map(np.arange, counts), indexing="ij"), axis=-1)
-    away = np.full(counts, np.inf)
-    for _, place, _ in host:
-        away = np.minimum(away, ((places - place)**2).sum(axis=-1))
-    names = [*kinds_of(ligand), "e", "d"]
-    values = [np.where(away < TOUCH**2, 1.0, 0.0)] * (len(names) - 2) + [np.zeros(counts)] * 2
-    return names, [readers.Table(v, low, spacing * np.eye(3)) for v in values]
-
-
-def look(names, tables, ligand, places, orientations=60):
-    """The energies in kJ/mol of the best of some orientations at each place, by the nearest points of the maps, without
-    letting the ligand come to rest."""
-    random = np.random.default_rng(1)
-    bodies = np.array([place for _, place, _ in ligand])
-    bodies = bodies - bodies.mean(axis=0)
-    e, d = tables[-2].values, tables[-1].values
-    known = {}
-    for kind, _, charge in ligand:
-        known[kind, charge] = tables[names.index(kind)].values + charge * e + abs(charge) * d
-    best = np.full(len(places), np.inf)
-    for _ in range(orientations):
-        turn, _ = np.linalg.qr(random.standard_normal((3, 3)))
-        energy = np.zeros(len(places))
-        for (kind, _, charge), body in zip(ligand, bodies @ (turn * np.linalg.det(turn))):
-            at = np.rint((places + body - tables[0].origin) / tables[0].axes[0, 0]).astype(int)
-            at = np.clip(at, 0, np.array(e.shape) - 1)
-            energy += known[kind, charge][tuple(at.T)]
-        best = np.minimum(best, energy)
-    return 4.184 * best

@@ -117,16 +117,24 @@ def along(work, grid, unit, length_unit, prefix=""):
     return [f"{prefix}{n}" for n in ("force.png", "energy.png", "played.html", "played.log", "played.frames")]
 
 
-def frame(name, body):
-    """A whole page."""
-    return f"""<!DOCTYPE html>
+def write_frame(work, name, body):
+    """index.html: the body, how to feel the grid, and its report."""
+    title, quoted = html.escape(name), urllib.parse.quote(name)
+    work.write("index.html", f"""<!DOCTYPE html>
 <meta charset="utf-8">
-<title>{html.escape(name)}</title>
+<title>{title}</title>
 <style>
 {STYLE}
 </style>
-<h1>{html.escape(name)}</h1>
-{body}"""
+<h1>{title}</h1>
+<p>To feel it, in this folder:
+<p><code>hapgrid feel {title}.grid</code>
+<p>Another device goes behind <code>hapgrid play {title}.grid --device</code>: see <code>hapgrid play --help</code>.
+{body}
+<h2>The grid</h2>
+<pre>{html.escape(work.read("verify.txt"))}</pre>
+<p>The definition is <a href="{quoted}.toml">{title}.toml</a>: change it, and the same command computes the grid anew.
+""")
 
 
 def write(work, name, values):
@@ -142,20 +150,11 @@ def write(work, name, values):
     if scale:
         rows.append(("force on the device", f"{scale:.4g} N for 1 {unit} in 1 {length}"))
     table = "".join(f"<tr><td>{a}<td>{b}" for a, b in rows)
-    quoted = urllib.parse.quote(name)
-    work.write("index.html", frame(name, f"""
-<p>To feel it, in this folder:
-<p><code>hapgrid feel {grid}</code>
-<p>Another device goes behind <code>hapgrid play {grid} --device</code>: see <code>hapgrid play --help</code>.
-<table>{table}</table>
+    write_frame(work, name, f"""<table>{table}</table>
 <h2>The energy</h2>
 <img src="slices.png" alt="three planes">
 <h2>A way through the lowest point and back</h2>
 <p>Blue balls are the deepest minima.
 <iframe src="played.html" title="the way"></iframe>
-<img src="energy.png" alt="energy on the way"> <img src="force.png" alt="force on the way">
-<h2>The grid</h2>
-<pre>{html.escape(work.read("verify.txt"))}</pre>
-<p>The definition is <a href="{quoted}.toml">{name}.toml</a>: change it, and the same command computes the grid anew.
-"""))
+<img src="energy.png" alt="energy on the way"> <img src="force.png" alt="force on the way">""")
     return [*made, "index.html"]

@@ -304,6 +304,9 @@ class _Raw:
             raise Failed("it ends in the middle of its values")
         return out
 
+    def peek(self, size):
+        return type(self)(self.data).take(size)
+
 
 class _Base64(_Raw):
     """The same in base64. Each of VTK's pieces is encoded by itself."""
@@ -323,26 +326,18 @@ class _Base64(_Raw):
 
 def _plain(stream, head, most):
     # In base64 the header and the values are one piece.
-    size = int(np.frombuffer(_Base64(stream.data).take(head.itemsize) if isinstance(stream, _Base64)
-                             else stream.take(head.itemsize), head)[0])
+    size = int(np.frombuffer(stream.peek(head.itemsize), head)[0])
     if size > most:
-        return b"\0" * (size if size < 2 * most else 2 * most)
-    if isinstance(stream, _Base64):
-        return stream.take(head.itemsize + size)[head.itemsize:]
-    return stream.take(size)
+        return b"\0" * min(size, 2 * most)
+    return stream.take(head.itemsize + size)[head.itemsize:]
 
 
 def _blocks(stream, head, most):
     # The header: number of blocks, size of each and of the last one, then the size of each when packed.
-    first = _Base64(stream.data).take(3 * head.itemsize) if isinstance(stream, _Base64) else stream.take(3 * head.itemsize)
-    count, size, last = (int(n) for n in np.frombuffer(first, head))
+    count, size, last = (int(n) for n in np.frombuffer(stream.peek(3 * head.itemsize), head))
     if count > most or count * size > most + size:
         raise Failed("the blocks of its compressed values do not fit its extent")
-    if isinstance(stream, _Base64):
-        sizes = stream.take((3 + count) * head.itemsize)[3 * head.itemsize:]
-    else:
-        sizes = stream.take(count * head.itemsize)
-    sizes = [int(n) for n in np.frombuffer(sizes, head)]
+    sizes = [int(n) for n in np.frombuffer(stream.take((3 + count) * head.itemsize), head)[3:]]
     packed = stream.take(sum(sizes))
     out, at = [], 0
     for length in sizes:

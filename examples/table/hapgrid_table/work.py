@@ -7,21 +7,23 @@ import tomllib
 
 from hapgrid_command import grid as grids
 from hapgrid_command.cli import BreaksRule
-from hapgrid_command.files import Failed, is_plain
+from hapgrid_command.files import Failed
 from hapgrid_command.work import Work as Folder
+
+VERIFY_SHARE = 0.6  # about, of what the search took, when that took long
 
 
 def course(command, o, define, page):
     """Everything; the line for standard output. o: the options; define(work, name) makes the definition, and page(work, name)
     the page."""
     work = Work(command, o.output, o.quiet)
-    name = os.path.basename(os.path.realpath(o.output))
-    name = name if is_plain(name) else command
+    name = work.name()
     toml, grid = f"{name}.toml", f"{name}.grid"
     if work.changed_by_hand(toml):
         work.say(f"{toml} was changed by hand: it is kept")
     else:
         define(work, name)
+    work.name()  # is kept now that there is a folder
     if o.until:
         work.say("stopped after the definition: the same command without --until goes on")
         return ""
@@ -51,16 +53,17 @@ class Work(Folder):
             if failed is not None:
                 raise Failed(failed[1])
             return [grid, f"{grid}.cost"]
-        self.step("grid", title, [toml, *self._inputs_of(toml)], [], compute)
+        self.step("grid", title, [toml, *self.inputs_of(toml)], [], compute)
         title = "checking that the grid is whole and that its states are the model's"
 
         def verify():
-            if not grids.verify(self, title, grid, threads):
+            took = grids.cpu_seconds(self, grid) / threads
+            if not grids.verify(self, title, grid, threads, VERIFY_SHARE * took if took > 5 else None):
                 raise BreaksRule(f"{grid} breaks a rule: see {self.path('verify.txt')}")
             return ["verify.txt"]
         self.step("verify", title, [grid], [], verify)
 
-    def _inputs_of(self, toml):
+    def inputs_of(self, toml):
         """The files that a definition names, changed by hand or not."""
         try:
             files = tomllib.loads(self.read(toml))["model"].get("files", {})

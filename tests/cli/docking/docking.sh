@@ -21,6 +21,14 @@ for made in index.html poses.tsv path.txt inside.png outside.png energy.png forc
   [[ -s small/$made ]] || fail "small/$made is not there"
 done
 check-model small/small.toml --steps 50 >report || fail "$(cat report)"
+
+# At the rim, where half of the points lie inside atoms.
+hapgrid dock "$host" "$ligand" -o rim --centre 0,1.2,2.6 --size 1.2,1.2,1.2 --spacing 0.4 --map-spacing 0.375 -q >line
+grep -Eq '^passive .* ok$' rim/verify.txt || fail "$(cat rim/verify.txt)"
+stats rim/rim.grid --npy rim/records.npy >/dev/null
+/usr/bin/python3 "$here/energies.py" rim wall
+check-model rim/rim.toml --steps 50 >report || fail "$(cat report)"
+
 # Butanediol, all of whose bonds turn: AutoDock's energy between its own atoms. Ethylene glycol with its softest bond.
 obabel -:OCCCCO --gen3d -O diol.mol2 >/dev/null 2>&1
 hapgrid dock "$host" diol.mol2 -o within --centre 0,0,3 --size 0.5,0.5,0.5 --map-spacing 0.375 --until definition -q
@@ -35,6 +43,11 @@ refuses 'dock: .*4 torsions are asked for, and 3 of its bonds turn.*' -- \
 before=$(stat -c %Y.%i small/small.grid)
 hapgrid dock "$host" "$ligand" -o small --centre 0,0,4 --size 1.6,1.6,1.6 --spacing 0.8 --map-spacing 0.375 -q >line
 same 'the same grid' "$before" "$(stat -c %Y.%i small/small.grid)"
+# So it does in a folder that was copied or has another name now.
+cp -a small renamed
+hapgrid dock "$host" "$ligand" -o renamed --centre 0,0,4 --size 1.6,1.6,1.6 --spacing 0.8 --map-spacing 0.375 -q >line
+same 'the line to feel it' 'hapgrid feel renamed/small.grid' "$(cat line)"
+same 'the same definition' "$(stat -c %Y small/small.toml)" "$(stat -c %Y renamed/small.toml)"
 
 # The maps that autogrid4 made for `usual`, as maps that a user has: the same energies at its places. The second box
 # reaches beyond them, where a wall keeps the atoms inside.

@@ -1,4 +1,4 @@
-"""Energies of the plug-in against autodock4's and vina's: energies.py DIR on|between|atoms|within [MAPS]
+"""Energies of the plug-in against autodock4's and vina's: energies.py DIR on|between|atoms|within|wall [MAPS]
 
 on: 50 poses of a ligand whose atoms all lie on points of the maps, where the linear rule of autodock4 and vina and the
 splines of the plug-in must agree to the last digit that is printed.
@@ -6,6 +6,8 @@ between: 50 random poses of DIR's ligand that no atom of the host repels. Betwee
 to h^2/8 times the second derivative, so DIR needs fine maps.
 atoms: the same for a host without maps, all of whose types are in WELLS, with MAPS for autodock4.
 within: 50 shapes of DIR's ligand, whose bonds turn: the energy between its own atoms.
+wall: of DIR's records none has a force above 3 N; at the points of the grid no orientation is deeper than the wall, and
+inside atoms all have its energy.
 MAPS: the folder with AutoGrid's maps, when it is not DIR."""
 
 
@@ -19,6 +21,7 @@ import numpy as np
 
 
 POSES = 50
+RIM = 10  # kJ/mol
 # Of AutoDock's types that make no hydrogen bond with a host of C, A, N and H: distance and depth of the well, volume and
 # solvation (AD4.1_bound.dat).
 WELLS = {"H": (2, 0.02, 0, 0.00051), "HD": (2, 0.02, 0, 0.00051), "C": (4, 0.15, 33.5103, -0.00143),
@@ -89,8 +92,8 @@ def vina(folder, pose):
     return float(next(line for line in said.splitlines() if "Intermolecular" in line).split(":")[1].split()[0])
 
 
-def plugin_of(folder, ligand=None):
-    """energy(x, s) in kcal/mol, the text of the ligand, and the definition."""
+def plugin_of(folder, ligand=None, wall=False):
+    """energy(x, s) in kcal/mol, the text of the ligand, and the definition. AutoDock's energies have no wall."""
     defined = definition(folder)
     given = dict(defined["model"]["parameters"])
     for key, files in defined["model"]["files"].items():
@@ -100,6 +103,8 @@ def plugin_of(folder, ligand=None):
                 texts.append(file.read())
         given[key] = texts if isinstance(files, list) else texts[0]
     given["ligand"] = ligand or given["ligand"]
+    if not wall:
+        del given["wall"]
     energy = model(os.path.join(os.environ["HAPGRID_BIN"], "..", "models", "docking.so"), given)
     return lambda x, turn: energy(x, [*turn[:, 0], *turn[:, 1]]) / 4.184, given["ligand"], defined
 
@@ -237,8 +242,31 @@ def within(folder):
     assert max(off) < 0.006 + 0.06 * max(ours), sorted(zip(off, ours, theirs))[-5:]
 
 
+def wall(folder):
+    energy, _, defined = plugin_of(folder, wall=True)
+    box, random = defined["grid"], np.random.default_rng(7)
+    with open(f"{folder}/wall.table", encoding="ascii") as file:
+        values = np.array(file.read().partition("values\n")[2].split(), float)
+    values = values.reshape(np.array(box["counts"][::-1]) + 2)[1:-1, 1:-1, 1:-1].transpose(2, 1, 0)
+    assert 3 < (values > 0).sum() < values.size - 3, values
+    for index, value in np.ndenumerate(values):
+        x = np.array(box["origin"]) + box["spacing"] * np.array(index)
+        for _ in range(20):
+            turn, _ = np.linalg.qr(random.standard_normal((3, 3)))
+            one = 4.184 * energy(x, turn * np.linalg.det(turn))
+            # The table has eight digits. Up to RIM an orientation's own energy counts, too.
+            assert value - 1e-5 < one < (value if value > RIM else RIM) + 1e-5, (index, value, one)
+    records = np.load(f"{folder}/records.npy")
+    forces = np.linalg.norm(records["force"], axis=1)
+    print(f"wall: {(values > 0).sum()} of {values.size} points, at most {values.max():.1f} kJ/mol and {forces.max():.2f} N")
+    assert 1 < forces.max() < 3, forces.max()
+
+
 def main():
     folder, where, *there = sys.argv[1:]
+    if where == "wall":
+        wall(folder)
+        return
     if where == "within":
         within(folder)
         return
