@@ -6,6 +6,7 @@ probe holds it there, and what lies behind is cut off. The box is then made a ce
 """
 
 import json
+import math
 from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
@@ -21,6 +22,7 @@ from .xtb import BOHR, HARTREE
 
 VERIFY_SHARE = 0.15  # of the time that the grid took, about
 WIDENED = 4  # times, at most
+LONG = 900  # seconds: for a grid that takes longer a coarser one is named
 RIGID = 6  # the last numbers of a state: shift and rotation
 # Why expand cannot compute a grid, by the word that it writes to the file of --cost, and what that means for the
 # stiffest path of the grid.
@@ -172,13 +174,20 @@ def resolved(start, shapes, plan, may_widen):
 
     def takes(spacing):
         return resolution.scaled(took, coarse.spacing, spacing)
+    plan = Plan(plan.paths, replace(coarse, spacing=spacing), takes(spacing))
     is_coarse = enough is not None and enough < 0.99 * spacing
     finer = enough if is_coarse else spacing / 2
     right = f"off by less than {resolution.WANTED:g} Å in 99 of 100 places"
-    kept.say(f"  spacing {spacing:g} Å, {about(takes(spacing), threads)}"
+    kept.say(f"  spacing {spacing:g} Å, {math.prod(plan.definition.counts())} points, {about(plan.seconds, threads)}"
              + (f", {right}" if enough is not None and not is_coarse else "")
              + f"; --spacing {finer:.2g} would take about {duration(takes(finer))}" + (f" and be {right}" if is_coarse else ""))
-    return Plan(plan.paths, replace(coarse, spacing=spacing), takes(spacing)), None
+    if plan.seconds > LONG:
+        coarser = resolution.coarser(spacing)
+        points = math.prod(replace(coarse, spacing=coarser).counts())
+        kept.say(f"  where that is too long: --spacing {coarser:g} has {points} points and takes about "
+                 f"{duration(takes(coarser))}, but its shapes are farther off"
+                 + ("; a smaller number for --paths also saves time" if plan.paths else ""))
+    return plan, None
 
 
 def computed(start, what, name, seconds, look_for_room):

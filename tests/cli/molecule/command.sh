@@ -176,3 +176,16 @@ of = numpy.load("narrow.npy")
 side = ((of["point"] == 0) | (of["point"] == of["point"].max(axis=0))).any(axis=1)
 assert side.sum() > 100 and (of["state"][side] == 0).all()
 END
+
+# Where the grid would take long, the command says with how few points it takes less. The definition of that has as many.
+/usr/bin/python3 - "$HAPGRID_SOURCE/examples/molecule" >line 2>log <<'END' || fail "$(cat log)"
+import sys
+sys.path.insert(0, sys.argv[1])
+from hapgrid_molecule import cli, grids
+grids.LONG = 0
+sys.exit(cli.main(["--smiles", "C#N", "-o", "long", "--method", "gfnff", "--until", "definition"]))
+END
+[[ $(cat log) =~ "where that is too long: --spacing "([0-9.]+)" has "([0-9]+)" points and takes about " ]] || fail "$(cat log)"
+spacing=${BASH_REMATCH[1]} points=${BASH_REMATCH[2]}
+hapgrid molecule --smiles C#N -o long --method gfnff --until definition --spacing "$spacing" --quiet
+same "points with --spacing $spacing" "$points" "$(($(sed -n 's/^counts = \[\(.*\)\]/\1/p' long/long.toml | sed 's/, /*/g')))"
