@@ -7,7 +7,7 @@ probe holds it there, and what lies behind is cut off. The box is then made a ce
 
 import json
 import math
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, astuple, dataclass, field, replace
 
 import numpy as np
 from hapgrid_command import files, grid
@@ -15,9 +15,8 @@ from hapgrid_command.cli import BreaksRule
 from hapgrid_command.files import Failed
 from hapgrid_command.work import about, duration
 
-from . import choice, resolution, stiffness
+from . import choice, resolution, stiffness, xyz
 from .definition import Definition, MAX_LEVELS, PENALTY, paths_of
-from .molecule import BadInput
 from .xtb import BOHR, HARTREE
 
 VERIFY_SHARE = 0.15  # of the time that the grid took, about
@@ -138,19 +137,15 @@ def stiffness_of(start, shapes, paths, softer):
         return stiffness.Stiffness()
 
     def compute():
+        kept.say("computing how stiff the torsions are")
         surface = start.surface(shapes.x)
         tangents = [stiffness.tangent(surface.tree, [node * BOHR for node in f.nodes], f.start, surface.masses)
                     for f in shapes.found if f.name in paths]
         hessian = surface.hessian(shapes.x) * HARTREE / BOHR**2
-        one = stiffness.rule(hessian, shapes.x * BOHR, surface.masses, tangents, PENALTY).rounded()
-        kept.write("stiffness.json", json.dumps(asdict(one), indent=1) + "\n")
-        return ["stiffness.json"]
-    kept.step("stiffness", "computing how stiff the torsions are", ["conformation.xyz", *(name + ".xyz" for name in paths)],
-              [start.words, start.molecule.charge, start.molecule.unpaired], compute)
-    try:
-        return stiffness.Stiffness(**{k: float(v) for k, v in json.loads(kept.read("stiffness.json")).items()}).softer(softer)
-    except (ValueError, TypeError, AttributeError):
-        raise BadInput(f"{kept.path('stiffness.json')}: is not what was written: remove it") from None
+        return astuple(stiffness.rule(hessian, shapes.x * BOHR, surface.masses, tangents, PENALTY).rounded())
+    digests = [kept.digest(name) for name in ("conformation.xyz", *(name + ".xyz" for name in paths))]
+    key = ["stiffness", kept.version, start.words, start.molecule.charge, start.molecule.unpaired, digests]
+    return kept.kept.take(key, compute, lambda values: stiffness.Stiffness(*map(xyz.finite, values))).softer(softer)
 
 
 def resolved(start, shapes, plan, may_widen):
