@@ -233,10 +233,6 @@ class Work:
                 tell(len(out))
         return out
 
-    def run_each(self, what, commands, threads):
-        """Runs several commands (lists of arguments, the filter's name first) in this way."""
-        self.each(what, lambda words: self.run(*words), commands, threads)
-
 
 def about(seconds, cores):
     """What a computation of so many seconds takes, in words. Nobody knows what else the machine will do."""

@@ -8,7 +8,7 @@ chains.
 import numpy as np
 
 from . import geometry
-from .molecule import BadInput, is_flat, numbers_of, places_of, relaxed
+from .molecule import BadInput, is_flat, neighbours_of, numbers_of, places_of, relaxed
 from rdkit import Chem
 from rdkit.Chem import rdDistGeom
 
@@ -63,8 +63,7 @@ def shape(mol, what):
     """Positions (atoms, 3), angstrom, of a molecule with all its hydrogens. They are the same each time."""
     if mol.GetNumAtoms() == 1:
         return np.zeros((1, 3))
-    best = None
-    near = [sorted(n.GetIdx() for n in a.GetNeighbors()) for a in mol.GetAtoms()]
+    best, near = None, neighbours_of(mol)
     for x in _embedded(mol):
         energy, x = relaxed(mol, x, FEW_STEPS)
         strained = not np.isfinite(x).all() or geometry.bonds_of(numbers_of(mol), x) != near

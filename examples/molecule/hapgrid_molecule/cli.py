@@ -21,7 +21,7 @@ depends on it. DIR can be renamed and copied. The steps are:
 
 AFTERWARDS = """\
 Files in DIR, where NAME is the folder's name when it was new:
-  index.html       summary with pictures, and the molecule as it is pushed
+  index.html       summary, and the molecule as it is pushed
   rotors.tsv       the bonds that were tried, taken and left out, and why
   NAME.toml        definition of the grid; NAME.grid is the grid itself
   verify.txt       report of verify

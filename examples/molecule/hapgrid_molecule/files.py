@@ -1,6 +1,7 @@
 """The files of structures: XYZ files and the report, written and read."""
 
 import os
+import re
 
 import numpy as np
 from hapgrid_command.files import is_plain, remove
@@ -141,10 +142,9 @@ def read_set(folder):
     if strange:
         raise BadInput(f"{first}: {SYMBOLS[min(strange)]} is no element that can be felt")
     found = [_path(name, folder.path(name + ".xyz"), conformation) for name in _listed(folder)]
-    rows = [line.removeprefix(NO_PATH).split(": ", 1) for line in folder.read("report.tsv").splitlines()
-            if line.startswith(NO_PATH)]
+    dropped = re.findall(f"^{NO_PATH}(.*?): (.*)$", folder.read("report.tsv"), re.M)
     return Result(conformation.numbers, np.array([MASSES[z] for z in conformation.numbers]), "", [], conformation.x / BOHR, 0.0,
-                  None, found, [tuple(row) for row in rows if len(row) == 2])
+                  None, found, dropped)
 
 
 def _path(name, path, conformation):

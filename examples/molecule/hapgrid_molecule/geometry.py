@@ -150,10 +150,9 @@ class Tree:
         children = [n for n in order if parent[n] == self.root]
         for atom in order[1:]:
             a = parent[atom]
-            b = parent[a]
+            b, sibling = parent[a], atom
             if b is None:  # a child of the root: the first ones have each other
                 b, c = [*children[:min(children.index(atom), 2)], None, None][:2]
-                sibling = None
             else:
                 c = next((n for n in children if n != a), None) if parent[b] is None else parent[b]
                 sibling = first.setdefault(a, atom)

@@ -6,7 +6,8 @@ probe holds it there, and what lies behind is cut off. The box is then made a ce
 """
 
 import json
-from dataclasses import asdict, dataclass, field, replace
+import math
+from dataclasses import asdict, astuple, dataclass, field, replace
 
 import numpy as np
 from hapgrid_command import files, grid
@@ -14,13 +15,13 @@ from hapgrid_command.cli import BreaksRule
 from hapgrid_command.files import Failed
 from hapgrid_command.work import about, duration
 
-from . import choice, resolution, stiffness
+from . import choice, resolution, stiffness, xyz
 from .definition import Definition, MAX_LEVELS, PENALTY, paths_of
-from .molecule import BadInput
 from .xtb import BOHR, HARTREE
 
 VERIFY_SHARE = 0.15  # of the time that the grid took, about
 WIDENED = 4  # times, at most
+LONG = 900  # seconds: for a grid that takes longer a coarser one is named
 RIGID = 6  # the last numbers of a state: shift and rotation
 # Why expand cannot compute a grid, by the word that it writes to the file of --cost, and what that means for the
 # stiffest path of the grid.
@@ -136,19 +137,15 @@ def stiffness_of(start, shapes, paths, softer):
         return stiffness.Stiffness()
 
     def compute():
+        kept.say("computing how stiff the torsions are")
         surface = start.surface(shapes.x)
         tangents = [stiffness.tangent(surface.tree, [node * BOHR for node in f.nodes], f.start, surface.masses)
                     for f in shapes.found if f.name in paths]
         hessian = surface.hessian(shapes.x) * HARTREE / BOHR**2
-        one = stiffness.rule(hessian, shapes.x * BOHR, surface.masses, tangents, PENALTY).rounded()
-        kept.write("stiffness.json", json.dumps(asdict(one), indent=1) + "\n")
-        return ["stiffness.json"]
-    kept.step("stiffness", "computing how stiff the torsions are", ["conformation.xyz", *(name + ".xyz" for name in paths)],
-              [start.words, start.molecule.charge, start.molecule.unpaired], compute)
-    try:
-        return stiffness.Stiffness(**{k: float(v) for k, v in json.loads(kept.read("stiffness.json")).items()}).softer(softer)
-    except (ValueError, TypeError, AttributeError):
-        raise BadInput(f"{kept.path('stiffness.json')}: is not what was written: remove it") from None
+        return astuple(stiffness.rule(hessian, shapes.x * BOHR, surface.masses, tangents, PENALTY).rounded())
+    digests = [kept.digest(name) for name in ("conformation.xyz", *(name + ".xyz" for name in paths))]
+    key = ["stiffness", kept.version, start.words, start.molecule.charge, start.molecule.unpaired, digests]
+    return kept.kept.take(key, compute, lambda values: stiffness.Stiffness(*map(xyz.finite, values))).softer(softer)
 
 
 def resolved(start, shapes, plan, may_widen):
@@ -172,13 +169,20 @@ def resolved(start, shapes, plan, may_widen):
 
     def takes(spacing):
         return resolution.scaled(took, coarse.spacing, spacing)
+    plan = Plan(plan.paths, replace(coarse, spacing=spacing), takes(spacing))
     is_coarse = enough is not None and enough < 0.99 * spacing
     finer = enough if is_coarse else spacing / 2
     right = f"off by less than {resolution.WANTED:g} Å in 99 of 100 places"
-    kept.say(f"  spacing {spacing:g} Å, {about(takes(spacing), threads)}"
+    kept.say(f"  spacing {spacing:g} Å, {math.prod(plan.definition.counts())} points, {about(plan.seconds, threads)}"
              + (f", {right}" if enough is not None and not is_coarse else "")
              + f"; --spacing {finer:.2g} would take about {duration(takes(finer))}" + (f" and be {right}" if is_coarse else ""))
-    return Plan(plan.paths, replace(coarse, spacing=spacing), takes(spacing)), None
+    if plan.seconds > LONG:
+        coarser = resolution.coarser(spacing)
+        points = math.prod(replace(coarse, spacing=coarser).counts())
+        kept.say(f"  where that is too long: --spacing {coarser:g} has {points} points and takes about "
+                 f"{duration(takes(coarser))}, but its shapes are farther off"
+                 + ("; a smaller number for --paths also saves time" if plan.paths else ""))
+    return plan, None
 
 
 def computed(start, what, name, seconds, look_for_room):

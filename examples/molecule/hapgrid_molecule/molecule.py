@@ -37,20 +37,14 @@ class Molecule:
         if len(self.numbers) < 2 or 0 in self.numbers:
             raise BadInput(f"{what}: not a molecule of two atoms or more")
         self.rd = rdkit_molecule(self.numbers, charges, bonds)
-        self.charge, self.unpaired, self.built, self.said = charge, unpaired, built, said
-        self.formula = rdMolDescriptors.CalcMolFormula(self.rd)
-        self.neighbours = [[] for _ in self.numbers]
-        amides = [match[::2] for match in self.matches(AMIDE)]
-        self.amides = [tuple(sorted(a)) for a in amides if not self.rd.GetBondBetweenAtoms(*a).IsInRing()]
-        self.double = {tuple(sorted(a)) for a in amides}
-        for j, k, order in bonds:
-            self.neighbours[j].append(k)
-            self.neighbours[k].append(j)
-            if order != 1:
-                self.double.add((min(j, k), max(j, k)))
-        self.neighbours = [sorted(n) for n in self.neighbours]
         if len(Chem.GetMolFrags(self.rd)) > 1:
             raise BadInput(f"{what}: more than one molecule")
+        self.charge, self.unpaired, self.built, self.said = charge, unpaired, built, said
+        self.formula = rdMolDescriptors.CalcMolFormula(self.rd)
+        self.neighbours = neighbours_of(self.rd)
+        amides = [tuple(sorted(match[::2])) for match in self.matches(AMIDE)]
+        self.amides = [a for a in amides if not self.rd.GetBondBetweenAtoms(*a).IsInRing()]
+        self.double = {*amides, *((min(j, k), max(j, k)) for j, k, order in bonds if order != 1)}
 
     def matches(self, smarts):
         """The atoms, counted from 0, of each place that a pattern matches."""
@@ -128,6 +122,11 @@ def places_of(rd):
     return rd.GetConformer().GetPositions() if rd.GetNumConformers() else np.zeros((rd.GetNumAtoms(), 3))
 
 
+def neighbours_of(rd):
+    """Of each atom, ascending."""
+    return [sorted(n.GetIdx() for n in a.GetNeighbors()) for a in rd.GetAtoms()]
+
+
 def is_flat(x):
     return len(x) > 3 and np.ptp(x[:, 2]) < 0.01
 
@@ -146,10 +145,9 @@ def read_bytes(path):
 def conformers(molecule, torsions, number, seed):
     """Up to `number` shapes (angstrom), relaxed by the force field, lowest first, none twice.
 
-    Each torsion is turned in steps of 60 degrees, and amides are cis and trans. All combinations
-    are tried when they are few, otherwise random ones. Where no bond turns there is nothing to search. Open Babel's
-    Confab (DiverseConfGen) finds the same for the dipeptide, but it leaves hydroxyl groups as they are: its lowest ethylene
-    glycol is 1.6 kcal/mol above the one that this finds.
+    Each torsion is turned in steps of 60 degrees, and amides are cis and trans. All combinations are tried when they are few,
+    otherwise random ones. Open Babel's Confab leaves hydroxyl groups as they are: its lowest ethylene glycol is 1.6 kcal/mol
+    above the one that this finds.
     """
     turns = [(t, np.radians(np.arange(-180, 180, 60))) for t in torsions
              if not t.rotor and tuple(sorted(t.atoms[1:3])) not in molecule.amides]

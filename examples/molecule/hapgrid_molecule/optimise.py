@@ -95,14 +95,13 @@ def search(function, x, hessian, *, climb=None, tolerance=1e-5, steps=300, trust
     Returns (x, energy, hessian as updated).
     """
     energy, gradient = function(x)
-    mode = climb
+    mode, update = climb, bfgs if climb is None else bofill
     for count in range(steps):
         g = gradient.ravel()
-        values, vectors = projected(hessian, x)
-        f = vectors.T @ g
         if np.abs(g).max() < tolerance:
             return x, energy, hessian
-        chosen = None
+        values, vectors = projected(hessian, x)
+        f, chosen = vectors.T @ g, None
         if climb is not None:
             # The mode most like the one before. Soft modes mix from step to step, so likeness alone may mislead: only modes
             # that fall are taken, or the softest where none falls.
@@ -116,11 +115,9 @@ def search(function, x, hessian, *, climb=None, tolerance=1e-5, steps=300, trust
         expected = f @ step + step @ (values * step) / 2
         s = (vectors @ step).reshape(-1, 3)
         moved = x + s if tree is None else tree.moved(x, s)
-        s = (moved - x).ravel()
         new_energy, new_gradient = function(moved)
         gain = new_energy - energy
-        update = bfgs if climb is None else bofill
-        hessian = update(hessian, s, new_gradient.ravel() - g)
+        hessian = update(hessian, (moved - x).ravel(), new_gradient.ravel() - g)
         ratio = gain / expected if abs(expected) > 1e-9 else 1.0
         if climb is None and gain > 1e-6 and ratio < 0:
             trust = max(length / 4, 1e-4)  # uphill: not taken, but it has improved the Hessian
@@ -140,18 +137,15 @@ def search(function, x, hessian, *, climb=None, tolerance=1e-5, steps=300, trust
 def minimum(surface, x, hessian=None, tolerance=3e-6, steps=400, longest=0.3):
     """The minimum downhill of x, with its exact Hessian. longest: the longest step, bohr; short steps stay in the valley
     where they start."""
-    renew = surface.hessian
-    x, energy, _ = search(surface, x, renew(x) if hessian is None else hessian, tolerance=1e-4, steps=steps, renew=renew,
-                          every=3 * surface.renewal, tree=surface.tree,
-                          trust=min(0.2, longest), longest=longest)
+    exact, how = surface.hessian, dict(renew=surface.hessian, tree=surface.tree)
+    x, energy, _ = search(surface, x, exact(x) if hessian is None else hessian, tolerance=1e-4, steps=steps,
+                          every=3 * surface.renewal, trust=min(0.2, longest), longest=longest, **how)
     for _ in range(3):
-        exact = renew(x)
-        x, energy, _ = search(surface, x, exact, tolerance=tolerance, steps=100, renew=renew,
-                              every=surface.renewal, tree=surface.tree)
-        exact = renew(x)
-        values, vectors = projected(exact, x)
+        x, energy, _ = search(surface, x, exact(x), tolerance=tolerance, steps=100, every=surface.renewal, **how)
+        bend = exact(x)
+        values, vectors = projected(bend, x)
         if values[0] > 0:
-            return point(surface, x, energy, exact)
+            return point(surface, x, energy, bend)
         # A saddle, kept by symmetry: leave it along the mode that falls.
         x = x + 0.1 * vectors[:, 0].reshape(-1, 3)
     raise NotConverged("not converged: no minimum near a point of symmetry")
@@ -160,19 +154,13 @@ def minimum(surface, x, hessian=None, tolerance=3e-6, steps=400, longest=0.3):
 def saddle(surface, x, direction, tolerance=3e-6):
     """The saddle uphill along the mode nearest to `direction` (3 atoms), with its exact Hessian.
 
-    Where a soft torsion's scan snaps over, long steps on an updated Hessian leave the ridge. Then the
-    search begins anew with short steps and a fresh Hessian at nearly each: all four of phi and psi of the
-    dipeptide are found so with GFN-FF, two with long steps alone.
+    Where a soft torsion's scan snaps over, long steps on an updated Hessian leave the ridge. Then the search begins anew with
+    short steps and a fresh Hessian at nearly each.
     """
-    renew = surface.hessian
-    first = renew(x)
-    tries = (dict(steps=150, trust=0.1, longest=0.5, every=surface.renewal),
-             dict(steps=80, trust=0.05, longest=0.1, every=surface.renewal // 3))
-    for n, how in enumerate(tries, 1):
-        try:
-            x, energy, _ = search(surface, x, first, climb=direction, tolerance=tolerance, renew=renew,
-                                  tree=surface.tree, **how)
-            return point(surface, x, energy, renew(x))
-        except NotConverged:
-            if n == len(tries):
-                raise
+    how = dict(climb=direction, tolerance=tolerance, renew=surface.hessian, tree=surface.tree)
+    first = surface.hessian(x)
+    try:
+        x, energy, _ = search(surface, x, first, steps=150, trust=0.1, longest=0.5, every=surface.renewal, **how)
+    except NotConverged:
+        x, energy, _ = search(surface, x, first, steps=80, trust=0.05, longest=0.1, every=surface.renewal // 3, **how)
+    return point(surface, x, energy, surface.hessian(x))

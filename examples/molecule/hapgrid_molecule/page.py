@@ -15,15 +15,8 @@ from .pushing import read_log
 from .xyz import frames, frames_of
 
 MOVES = 2.0  # degrees: what turns less is not drawn
-STAYS = 0.05  # of a t: less is not behind a saddle
 METHODS = {"gfn2": "GFN2-xTB", "gfnff": "GFN-FF"}
 SPINS = ("singlet", "doublet", "triplet", "quartet", "quintet")
-CAPTIONS = {"before.png": "At first.", "pushed.png": "The probe at the end of its way.",
-            "turned.png": "The probe has turned the molecule farthest.",
-            "behind.png": "Left alone behind the barrier, the molecule stays there.",
-            "after.png": "Pushed back.",
-            "course.png": "Torsions, energies and force along the way, there and back. The hand works against the energy "
-                          "with probe and anchors."}
 
 
 def write(start, turned, ways):
@@ -38,11 +31,11 @@ def write(start, turned, ways):
     kept.write("played.pdb", pdb(probed, start.molecule.neighbours))
     log = read_log(kept.path("played.log"))
     drawn = draw_curves(kept, log, frames(kept.path("played.xyz")), turned)
-    drawings = pictures(log)
-    kept.run_each("drawing pictures", drawings.values(), start.options.threads)
-    text = page(start, turned, ways, [name for name in [*drawings, *drawn] if name.endswith(".png")])
-    kept.write("index.html", text)
-    return ["played.log", "played.frames", "played.xyz", "played.pdb", *drawn, *drawings, "index.html"]
+    x, y = (log[a][len(log[a]) // 2] - log[a][0] for a in "xy")
+    azimuth = f"{np.degrees(np.arctan2(y, x)):.0f}"  # from which the probe comes from the left
+    run("view", "played.frames", "--azimuth", azimuth, "--elevation", "10", "--html", "played.html")
+    kept.write("index.html", page(start, turned, ways))
+    return ["played.log", "played.frames", "played.xyz", "played.pdb", *drawn, "played.html", "index.html"]
 
 
 def pdb(shapes, neighbours):
@@ -94,25 +87,7 @@ def draw_curves(folder, log, shapes, torsions):
     return ["course.png", "torsions.tsv", "energies.tsv"]
 
 
-def pictures(log):
-    """{file: the command that draws it} of the moments that are worth a look. The probe comes from the left. log: of play."""
-    paths = sum(n[0] == "s" and n[1:].isdigit() for n in log) - 6
-    times = log["t"].tolist()
-    when = {"before.png": 0.0, "pushed.png": times[len(times) // 2]}
-    if paths:
-        farthest = max((np.abs(log[f"s{k}"]) for k in range(paths)), key=np.max)
-        when = {"before.png": 0.0, "turned.png": times[int(farthest.argmax())]}
-        # Behind a saddle the molecule stays when nothing pushes it.
-        stays = np.flatnonzero((log["force_x"] == 0) & (log["force_y"] == 0) & (log["force_z"] == 0) & (farthest > STAYS))
-        if stays.size:
-            when |= {"behind.png": times[stays[stays.size // 2]], "after.png": times[-1]}
-    way = [log[a][len(log[a]) // 2] - log[a][0] for a in "xyz"]
-    seen = ["--azimuth", f"{np.degrees(np.arctan2(way[1], way[0])):.0f}", "--elevation", "10"]
-    out = {picture: ["view", "played.frames", "--at", f"{t:.3f}", *seen, "--png", picture] for picture, t in when.items()}
-    return {**out, "played.html": ["view", "played.frames", *seen, "--html", "played.html"]}
-
-
-def page(start, turned, ways, images):
+def page(start, turned, ways):
     kept = start.folder
     name = kept.name()
     one = frames(kept.path("conformation.xyz"))[0]
@@ -136,10 +111,7 @@ def page(start, turned, ways, images):
                          for key, value in facts.items() if value),
         "GRID": html.escape(shlex.quote(f"{name}.grid")), "WAY": html.escape(shlex.quote(f"path:{ways[0]}")),
         "TOML": html.escape(f"{name}.toml"), "TABLE": barriers(kept), "METHOD": html.escape(method),
-        "MOLECULE": json.dumps(molecule).replace("<", "\\u003c"), "VERIFY": html.escape(kept.read("verify.txt")),
-        "PICTURES": "\n".join(
-            f'<figure{" class=tall" * (image == "course.png")}><img src="{image}" alt=""><figcaption>{CAPTIONS[image]}'
-            "</figcaption></figure>" for image in sorted(images, key=lambda name: name != "course.png"))}
+        "MOLECULE": json.dumps(molecule).replace("<", "\\u003c"), "VERIFY": html.escape(kept.read("verify.txt"))}
     return re.sub("@([A-Z]+)@", lambda found: parts[found[1]], TEMPLATE)
 
 

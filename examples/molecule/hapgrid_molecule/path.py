@@ -1,8 +1,6 @@
-"""The path from a saddle down to a minimum, and eleven nodes along it.
-
-Steepest descent in mass-weighted coordinates (the intrinsic reaction coordinate), by local
-quadratic steps (Page and McIver 1988): a plain gradient step would zigzag across the valley,
-whose walls are a thousand times steeper than its floor.
+"""The path from a saddle down to a minimum, and eleven nodes along it: the intrinsic reaction coordinate, by local quadratic
+steps (Page and McIver 1988). A plain gradient step would zigzag across the valley, whose walls are a thousand times steeper
+than its floor.
 """
 
 import itertools

@@ -1,13 +1,8 @@
-"""The way of the probe that turns one torsion: it comes from outside, pushes at an atom that moves
-far along the path, in the direction in which that moves, and goes back on the same line.
-
-The molecule as a whole yields, too. So several such lines are played, and the one that turns the
-torsion farthest is kept.
+"""The probe's ways. One that turns a torsion comes from outside, pushes at an atom in the direction in which the path moves it,
+and goes back on the same line. Several such lines are played, and the one that turns the torsion farthest is kept.
 
 Where paths go on behind their barriers, a way pushes a torsion into the minimum behind, leaves it there, goes round the
-molecule without touching it, and pushes it back from another side. Lines are tried until one has brought the molecule where it
-should be: first those along which the atoms go most, then random ones, deeper. They are played one after the other in one go,
-since reading the grid takes longest.
+molecule without touching it, and pushes it back from another side.
 """
 
 import json
@@ -40,53 +35,41 @@ def directions(count=150):
 
 
 def lines(x, move, radius, low, high, clear, most=TRIED, alike=0.7):
-    """Lines (start, end, atom) from free places into the molecule, the most promising first.
-    x: atoms, move: where they go, angstrom; low, high: the corners of the box; clear: from touching
-    to where a line begins; most: lines; alike: the cosine above which two lines at an atom are one."""
-    length = np.linalg.norm(move, axis=1)
-    reach = radius + PROBE
-    found = []
+    """Lines (start, end, atom) from free places into the molecule, the most promising first. x: atoms, move: where they go,
+    angstrom; low, high: the corners of the box; clear: from touching to where a line begins; most: lines; alike: the cosine
+    above which two lines at an atom are one."""
+    length, reach, found = np.linalg.norm(move, axis=1), radius + PROBE, []
     for atom in np.flatnonzero(length > 0.4 * length.max()):
         for u in directions():
             along = float(move[atom] @ u)
-            if along < 0.5 * length[atom]:
-                continue
-            begin = _begin(x, reach, atom, u, clear)
-            if begin is None:
-                continue
+            begin = _begin(x, reach, atom, u, clear) if along >= 0.5 * length[atom] else np.nan
             start, end = x[atom] + begin * u, x[atom] + (along + BEYOND - reach[atom]) * u
-            if (start < low).any() or (start > high).any():
-                continue
-            end = start + (end - start) * _inside(start, end, low, high)
-            found.append((along, int(atom), start, end))
-    found.sort(key=lambda f: -f[0])
-    out, atoms = [], []
-    for along, atom, start, end in found:  # different atoms and directions
-        u = (end - start) / np.linalg.norm(end - start)
-        if not any(atom == a and u @ v > alike for a, v in atoms):
-            atoms.append((atom, u))
-            out.append((start, end, atom))
-    return out[:most]
+            if ((low <= start) & (start <= high)).all():
+                end = start + (end - start) * min(1.0, 0.98 * _to_side(start, end - start, low, high))
+                found.append((along, int(atom), u, start, end))
+    out = []
+    for _, atom, u, start, end in sorted(found, key=lambda f: -f[0]):  # different atoms and directions
+        if not any(atom == a and u @ v > alike for a, v, _ in out):
+            out.append((atom, u, (start, end, atom)))
+    return [line for _, _, line in out[:most]]
 
 
 def _begin(x, reach, atom, u, clear):
-    """Where a line towards an atom, that touches no other atom first, is free: its place before the
-    atom (negative), None when another atom is in the way."""
+    """The place on a line towards an atom, before it (negative), where the line is still free; no number where it touches
+    another atom first."""
     along = (x - x[atom]) @ u
     across = np.linalg.norm(x - x[atom] - along[:, None] * u, axis=1)
 
     def enters(reach):
         """Where the probe comes as near as this to each atom."""
         return np.where(across < reach, along - np.sqrt(np.clip(reach**2 - across**2, 0, None)), np.inf)
-    return float(enters(reach + clear).min()) if enters(reach).argmin() == atom else None
+    return float(enters(reach + clear).min()) if enters(reach).argmin() == atom else np.nan
 
 
-def _inside(start, end, low, high):
-    """The share of the way that is in the box."""
-    way = end - start
+def _to_side(x, u, low, high):
+    """How many times u leads from x, in a box, to its sides."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        limits = np.where(way > 0, (high - start) / way, np.where(way < 0, (low - start) / way, np.inf))
-    return float(min(1.0, 0.98 * limits.min()))
+        return float(np.where(u == 0, np.inf, (np.where(u > 0, high, low) - x) / u).min())
 
 
 def straight(start, end, step, least=2):
@@ -116,10 +99,11 @@ class Ways:
 
     def __init__(self, folder, grid, structures, threads):
         self.folder, self.grid, self.structures, self.threads = folder, grid, structures, threads
-        header = json.loads(folder.run("stats", grid, "--format", "json").out)
-        box = header["box"]
+        box = json.loads(folder.run("stats", grid, "--get", "box").out)
         self.low = np.array(box["origin"])
         self.high = self.low + box["spacing"] * (np.array(box["counts"]) - 1)
+        middle, half = (self.low + self.high) / 2, AROUND * (self.high - self.low) / 2
+        self.inner = middle - half, middle + half  # the box in which the probe goes round
         self.clear = CLEAR + box["spacing"]
         self.taken = paths_of(folder.path(grid.removesuffix(".grid") + ".toml"))
         self.radius = np.array([RADII[z] for z in structures.numbers])
@@ -130,7 +114,7 @@ class Ways:
 
         def turned(n):
             k, (start, end, _) = tries[n]
-            return float(self._played(there_and_back(start, end, COARSE_STEP), n)[f"s{k}"].max())
+            return float(self._played(there_and_back(start, end, COARSE_STEP), n)[:, k].max())
         most = self.folder.each("pushing the molecule to see which way turns it", turned, range(len(tries)), self.threads)
         best = {}
         for turn, (k, line) in zip(most, tries):
@@ -151,12 +135,13 @@ class Ways:
                 or lines(x, move, self.radius, self.low, self.high, CLEAR))
 
     def _played(self, way, number):
-        """What play logs on a way, as read_log() has it. number: of this way among those that are played at once."""
+        """The t at each place of a way. number: of this way among those that are played at once."""
         text, log = f".way-{number}.txt", f".way-{number}.log"
         try:
             write_way(self.folder, text, way, "tried")
             self.folder.run("play", self.grid, "--device", f"path:{text}", "--log", log)
-            return read_log(self.folder.path(log))
+            columns = read_log(self.folder.path(log))
+            return np.array([columns[f"s{k}"] for k in range(len(self.taken))]).T
         finally:
             files.remove(self.folder.path(text))
             files.remove(self.folder.path(log))
@@ -191,20 +176,21 @@ class Crossings(Ways):
         return None
 
     def _crossing(self, k, x, y, before, wanted):
-        """`before` and a line after it that brings the molecule from shape x to y, which has the t wanted; None without."""
+        """`before` and a line after it that brings the molecule from shape x to y, which has the t wanted; None without. The
+        lines are played one after the other in one go, since reading the grid takes longest."""
         left = self._candidates(x, y)
         while left:
             way, ends = before, []
             for line in left:
                 way = self._pushed(way, line)
                 ends.append(len(way) - 1)
-            states = self._states(way, k)
+            states = self._played(way, k)
             rest = states[max(len(before) - 1, 0)]
             n = next((n for n, end in enumerate(ends) if np.abs(states[end] - rest).max() >= NEAR), None)
             if n is None:
                 return None
             way = self._pushed(before, left[n])
-            if np.abs(self._states(way, k)[-1] - wanted).max() < NEAR:
+            if np.abs(self._played(way, k)[-1] - wanted).max() < NEAR:
                 return way
             left = left[n + 1:]
         return None
@@ -213,44 +199,26 @@ class Crossings(Ways):
         return [*way, *(self._round(way[-1], line[0]) if way else []), *there_and_back(*line, COARSE_STEP)]
 
     def _candidates(self, x, y):
-        """Lines that push shape x towards y, the most promising first."""
+        """Lines that push shape x towards y: first those along which the atoms go most, then random ones, deeper."""
         found = [line for clear in (self.clear, CLEAR)
                  for line in lines(x, y - x, self.radius, self.low, self.high, clear, LINES, 0.95)]
         out = [(start, end) for start, end, _ in found[:LINES]]
         draw = np.random.default_rng(1)
-        middle, half = (self.low + self.high) / 2, AROUND * (self.high - self.low) / 2
         for _ in range(RANDOM):
             u = draw.normal(size=3)
             u /= np.linalg.norm(u)
             aim = x[draw.integers(len(x))] + draw.uniform(-0.8, 0.8, 3)
-            start = aim - u * _reach(aim - middle, -u, half)
-            end = aim + u * min(draw.uniform(-1, DEEPEST), _reach(aim - middle, u, half))
-            out.append((start, end))
+            start = aim - u * _to_side(aim, -u, *self.inner)
+            out.append((start, aim + u * min(draw.uniform(-1, DEEPEST), _to_side(aim, u, *self.inner))))
         return out
-
-    def _states(self, way, k):
-        """The t at each place of a way."""
-        log = self._played(way, k)
-        return np.column_stack([log[f"s{n}"] for n in range(len(self.taken))])
 
     def _round(self, here, to):
         """From one free place to another, near the sides of the box. All shapes keep away from these."""
-        middle, half = (self.low + self.high) / 2, AROUND * (self.high - self.low) / 2
-        a, b = (p - middle for p in (here, to))
-        a, b = a / np.abs(a / half).max(), b / np.abs(b / half).max()
-        u, v = a / np.linalg.norm(a), b / np.linalg.norm(b)
-        angle = np.arccos(np.clip(u @ v, -1, 1))
-        between = u + v if angle <= 3.0 else np.cross(u, np.eye(3)[np.abs(u).argmin()])  # over a side
-        corners = [c / np.abs(c / half).max() for c in (a, between, b)]
-        out = [here]
-        for p, q in zip(corners, corners[1:]):
-            for s in np.linspace(0, 1, 60):
-                c = (1 - s) * p / np.linalg.norm(p) + s * q / np.linalg.norm(q)
-                out.append(middle + c / np.abs(c / half).max())
-        out.append(to)
+        middle = (self.low + self.high) / 2
+        u, v = ((p - middle) / np.linalg.norm(p - middle) for p in (here, to))
+        opposite = u @ v < np.cos(3.0)
+        between = np.cross(u, np.eye(3)[np.abs(u).argmin()]) if opposite else u + v
+        between /= np.linalg.norm(between)
+        seen = [(1 - s) * a + s * b for a, b in ((u, between), (between, v)) for s in np.linspace(0, 1, 60)]
+        out = [here, *(middle + c * _to_side(middle, c, *self.inner) for c in seen), to]
         return [p for one, two in zip(out, out[1:]) for p in straight(one, two, COARSE_STEP, 1)[:-1]]
-
-
-def _reach(x, u, half):
-    """How far from x, which is seen from the middle of the box, a direction leads to its sides."""
-    return float(((np.sign(u) * half - x) / u).min())

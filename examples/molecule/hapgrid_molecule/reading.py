@@ -183,6 +183,7 @@ def _completed(given, record, charge, unpaired):
         lack = valences.lacking(mol)
         if _hydrogens_of_carbons(mol) >= len(lack):
             valences.pair_up(mol, lack, charge)
+        valences.raise_valences(mol, lack)
         if unpaired is None and charge is None:
             _refuse_without_hydrogen(mol, what)
     if given.kind in ("pdb", "mol2") or given.kind == "sdf" and not is_flat(x):
@@ -251,6 +252,8 @@ def _add_no_hydrogen_to_the_whole(mol, given, charge):
         mol.UpdatePropertyCache(strict=False)
         free = valences.lacking(mol)
         valences.pair_up(mol, free, charge)
+        if whole:
+            valences.raise_valences(mol, free)
         for n in lack if whole else ():
             lack[n] = min(lack[n], free.get(n, 0))
             mol.GetAtomWithIdx(n).SetNumExplicitHs(lack[n])

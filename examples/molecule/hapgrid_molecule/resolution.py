@@ -11,15 +11,12 @@ from dataclasses import replace
 
 from hapgrid_command.files import Failed
 
-# The rule, all of it. In 99 of 100 places the shape is off by WANTED at most, as far as verify can tell the spacing
-# for that. The grid is never finer than FINEST or coarser than COARSEST, and has at most MOST_POINTS points. This is
-# about places in one branch: where branches end, play asks the model itself beside the grid. Of 2-butanol (CPU seconds of
-# the search; of 10,000 ticks on paths that touch it, in how many the nearest branch has the model's shape to 0.3 Å, the
-# oracle of bench_branches): 89 and 98.8 % at 0.35 Å, 41 and 96.9 % at 0.5 Å.
+# In 99 of 100 places the shape is off by WANTED at most, as far as verify can tell the spacing for that. This is about places
+# in one branch: where branches end, play asks the model itself beside the grid.
 WANTED = 0.25  # angstrom, root mean square over the atoms
 FINEST = 0.2  # angstrom
-# Of 14 molecules of up to 8 atoms this branch is right in 94 to 99 % of such ticks at 0.3 to 0.45 Å, and in 82 to 95 % at
-# 0.5 to 0.85 Å, which would be enough for WANTED. Play with the model is right in 99.8 % (tried.tsv), if it keeps up.
+# In 94 to 99 % of the ticks that touch one of 14 molecules of up to 8 atoms the nearest branch of a grid of 0.3 to 0.45 Å has
+# the model's shape to 0.3 Å, and in 82 to 95 % at 0.5 to 0.85 Å, which would be enough for WANTED (bench_branches).
 COARSEST = 0.45  # angstrom, where MOST_POINTS allows it
 MOST_POINTS = 28000
 # Where a push tips over a barrier the grid is as fine as that: of 150 random pushes of 1,2-dichloroethane 142 end where
@@ -61,6 +58,11 @@ def enough_by(report):
 
 def scaled(seconds, before, spacing):
     return seconds * (before / spacing) ** COST_ORDER
+
+
+def coarser(spacing):
+    """One with which a grid takes about a quarter of the time."""
+    return round(math.ceil(spacing * 4 ** (1 / COST_ORDER) / STEP - 1e-9) * STEP, 2)
 
 
 def measure(start, grid):

@@ -1,9 +1,7 @@
 """Which bonds turn, and what they are called: by their four atoms (C1-C2-C3-O4), and in peptides by
 phi, psi, omega and chi with the number of the residue. omega0 is the bond of a cap to the first
 residue's nitrogen; in a peptide of one residue phi, psi and chi have no number.
-
-Open Babel's OBRotorList is not used: it leaves out every bond at whose end only hydrogens turn (methyl,
-hydroxyl), and those are among the softest here. What it does otherwise is one loop over the bonds."""
+"""
 
 from dataclasses import dataclass, replace
 
@@ -55,20 +53,16 @@ def find(molecule):
 
 def flipped(molecule, shapes):
     """The rings that flip along a chain of nearby shapes: a torsion of theirs changes its sign."""
-    out = []
-    for ring in molecule.rings():
-        angles = np.array([[geometry.torsion(x, *(ring[(k + n) % len(ring)] for n in range(4))) for k in range(len(ring))]
-                           for x in (shapes[0], shapes[-1])])
-        if ((angles[0] * angles[1] < 0) & (np.abs(angles).min(axis=0) > FLIPPED)).any():
-            out.append(_named(molecule, ring))
-    return out
+    def flips(ring):
+        a, b = (np.array([geometry.torsion(x, *(2 * ring)[k:k + 4]) for k in range(len(ring))]) for x in (shapes[0], shapes[-1]))
+        return ((a * b < 0) & (np.minimum(np.abs(a), np.abs(b)) > FLIPPED)).any()
+    return [_named(molecule, ring) for ring in molecule.rings() if flips(ring)]
 
 
 def peptide_names(molecule):
     """{bond (j < k): (name, {an atom of the bond: the atom at which the torsion ends there, or None})}. Angles are
     those of IUPAC: phi is C-N-CA-C, psi N-CA-C-N, omega CA-C-N-CA."""
-    residues = sorted({match[:3] for match in molecule.matches(RESIDUE)})
-    residues = _in_order(molecule, residues)
+    residues = _in_order(molecule, sorted({match[:3] for match in molecule.matches(RESIDUE)}))
     # An amino acid alone, without a peptide bond, is no peptide.
     if not any({n, c} & {a for bond in molecule.amides for a in bond} for n, _, c in residues):
         return {}
@@ -101,15 +95,15 @@ def peptide_names(molecule):
 
 def _partner(molecule, atom):
     """The other atom of an amide bond."""
-    return next((b for bond in molecule.amides if atom in bond for b in bond if b != atom), None)
+    return next((sum(bond) - atom for bond in molecule.amides if atom in bond), None)
 
 
 def _carbon(molecule, atom, without):
     return next((a for a in molecule.neighbours[atom] if a != without and molecule.numbers[a] == 6), None)
 
 
-def _bond(a, b):
-    return (min(a, b), max(a, b))
+def _bond(*atoms):
+    return tuple(sorted(atoms))
 
 
 def _in_order(molecule, residues):
@@ -160,8 +154,7 @@ def names(bonds, candidates, allowed, signed):
     out, left = {}, [(job, "no bond turns on the way to its barrier") for job, n in farthest.items() if n is None]
 
     def order(job):
-        """Paths whose driven bond turns come first; where several lead to one barrier, that whose bond turns farther gives
-        the name. Of the others the lowest comes first."""
+        """Paths whose driven bond turns come first, that whose bond turns farthest before others. Then comes the lowest."""
         one, turns = candidates[job], np.abs(candidates[job].turns)
         is_own = farthest[job] == one.number
         return (0, -round(float(turns[one.number] / turns.max()), 1)) if is_own else (1, one.height)

@@ -146,8 +146,8 @@ def estimate(start):
     count = HESSIANS_AT_FIRST + ways * (HESSIANS + (HESSIANS_BEHIND if o.basins else 0))
     cores = min(o.threads, max(ways, 1))
     seconds = 2 * x.size * count * (gradient + ALGEBRA * algebra) / cores
-    start.folder.say(f"  {about(seconds, cores)} for conformation and barriers, twice that where a "
-                     "lower minimum is found")
+    start.folder.say(f"  {about(seconds, cores)} for conformation and barriers, several times that where a lower minimum is "
+                     "found or barriers are hard to find")
 
 
 def show(start, shapes, plan):
@@ -161,7 +161,7 @@ def show(start, shapes, plan):
     if not made:
         raise Failed(f"{kept.path(grid)}: no way of the probe is found that pushes the molecule; hapgrid feel shows the grid")
     facts = [start.source, start.molecule.charge, start.molecule.unpaired, start.method]
-    kept.step("page", "drawing pictures", [grid, *made, "rotors.tsv", "report.tsv", "verify.txt"], facts,
+    kept.step("page", "writing the page", [grid, *made, "rotors.tsv", "report.tsv", "verify.txt"], facts,
               lambda: page.write(start, start.turned_by(plan.paths), made))
     out = o.output.rstrip("/") or "/"
     out = f"./{out}" if out.startswith("-") else out

@@ -52,6 +52,21 @@ def pair_up(mol, lack, charge):
                 left -= 1
 
 
+def raise_valences(mol, lack):
+    """Makes double bonds from an atom that can have a higher valence, such as the sulphur of a sulphonate, to ends that still
+    lack some behind pair_up()."""
+    for atom in mol.GetAtoms():
+        bonds = [(bond, end.GetIdx()) for bond in atom.GetBonds()
+                 for end in [bond.GetOtherAtom(atom)] if lack.get(end.GetIdx()) and end.GetDegree() == 1]
+        most, order = sum(lack[end] for _, end in bonds), _order(atom)
+        room = max((v - order for v in VALENCES.get(atom.GetAtomicNum(), ()) if 0 < v - order <= most), default=0)
+        for bond, end in bonds:
+            more = min(lack[end], room)
+            bond.SetBondType(Chem.BondType.values[int(bond.GetBondTypeAsDouble()) + more])
+            lack[end] -= more
+            room -= more
+
+
 def _chain(mol, start, ends):
     """(the end, the bonds to it): the shortest chain from start to one of ends whose bonds can be raised and lowered in turn,
     or None."""

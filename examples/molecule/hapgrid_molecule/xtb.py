@@ -1,7 +1,4 @@
-"""Energies, gradients and Hessians of xtb, through its C library.
-
-Alternative: run the program xtb for each point. Starting it takes longer than computing, and a path
-takes thousands of points of a few milliseconds each.
+"""Energies, gradients and Hessians of xtb, through its C library: starting the program takes longer than computing a point.
 
 Units here and in the other modules: bohr, hartree, and atomic mass units in mass-weighted
 coordinates. Positions are arrays (atoms, 3). Files and messages are in angstrom and kJ/mol.
@@ -30,13 +27,11 @@ class Surface:
     molecule, or None.
     """
 
-    # Steps of a search between exact Hessians: where these are cheap they are computed often.
-    renewal = property(lambda self: {"gfn2": 12, "gfnff": 3}[self.method])
-
     def __init__(self, numbers, positions, method="gfn2", charge=0, tree=None, unpaired=0, solvent=None):
         numbers = [int(z) for z in numbers]
-        self.method = method
         self.tree = tree
+        # Steps of a search between exact Hessians: where these are cheap they are computed often.
+        self.renewal = {"gfn2": 12, "gfnff": 3}[method]
         self.masses = np.array([MASSES[z] for z in numbers])
         self._xtb = Xtb(numbers, np.asarray(positions, float).ravel(), method, charge, unpaired, solvent)
         self._results = self._xtb.new_results()
@@ -60,11 +55,6 @@ class Surface:
         """The rows of the Hessian by central differences of the gradient. They are symmetric to 1e-4 hartree/bohr²:
         a gradient with which they are not is wrong."""
         flat = np.asarray(positions, float).ravel()
-        rows = []
-        for k in range(flat.size):
-            shift = np.zeros_like(flat)
-            shift[k] = step
-            ahead = self((flat + shift).reshape(-1, 3))[1]
-            behind = self((flat - shift).reshape(-1, 3))[1]
-            rows.append((ahead - behind).ravel() / (2 * step))
-        return np.array(rows)
+        shifts = step * np.eye(flat.size)
+        return np.array([(self((flat + s).reshape(-1, 3))[1] - self((flat - s).reshape(-1, 3))[1]).ravel() / (2 * step)
+                         for s in shifts])

@@ -109,8 +109,8 @@ def frames(path):
 
 
 def finite(text):
-    """The number of a text. Errors: ValueError, TypeError, where it is no finite number."""
-    value = float(text)
+    """The number of a text, or of what was read from JSON. Errors: ValueError, where it is no finite number."""
+    value = float(str(text))  # of an integer of 400 digits it is infinite
     if not np.isfinite(value):
         raise ValueError(text)
     return value

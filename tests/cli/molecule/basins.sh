@@ -33,4 +33,3 @@ turn=fluoro/F1-C2-C3-C4.xyz
 turning_points "$turn" fluoro/conformation.xyz
 [[ $seen =~ ^(1?0)(10)+1?$ ]] || fail "minima and saddles do not alternate: $seen"
 grep -q 'over its barrier, goes round' fluoro/path-F1-C2-C3-C4.txt || fail "no way over the barrier"
-[[ -s fluoro/behind.png && -s fluoro/after.png ]] || fail "no pictures"

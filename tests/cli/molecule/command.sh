@@ -57,7 +57,7 @@ same "the line" "hapgrid play ethanol/ethanol.grid --device path:ethanol/path-" 
 awk -F'\t' 'NR == 1 { for (i = 1; i <= NF; i++) { if ($i == "s0") first = i; if ($i == "force_x") force = i } next }
   { for (i = first; i < first + 3; i++) if ($i > most) most = $i; at = $first + $(first + 1) + $(first + 2); last = $force }
   END { exit !(most > 0.5 && at < 0.01 && last == 0) }' log || fail "the way turns nothing, or not back"
-for file in index.html played.html turned.png course.png ethanol.toml verify.txt; do
+for file in index.html played.html course.png ethanol.toml verify.txt; do
   [[ -s ethanol/$file ]] || fail "no $file"
 done
 
@@ -176,3 +176,16 @@ of = numpy.load("narrow.npy")
 side = ((of["point"] == 0) | (of["point"] == of["point"].max(axis=0))).any(axis=1)
 assert side.sum() > 100 and (of["state"][side] == 0).all()
 END
+
+# Where the grid would take long, the command says with how few points it takes less. The definition of that has as many.
+/usr/bin/python3 - "$HAPGRID_SOURCE/examples/molecule" >line 2>log <<'END' || fail "$(cat log)"
+import sys
+sys.path.insert(0, sys.argv[1])
+from hapgrid_molecule import cli, grids
+grids.LONG = 0
+sys.exit(cli.main(["--smiles", "C#N", "-o", "long", "--method", "gfnff", "--until", "definition"]))
+END
+[[ $(cat log) =~ "where that is too long: --spacing "([0-9.]+)" has "([0-9]+)" points and takes about " ]] || fail "$(cat log)"
+spacing=${BASH_REMATCH[1]} points=${BASH_REMATCH[2]}
+hapgrid molecule --smiles C#N -o long --method gfnff --until definition --spacing "$spacing" --quiet
+same "points with --spacing $spacing" "$points" "$(($(sed -n 's/^counts = \[\(.*\)\]/\1/p' long/long.toml | sed 's/, /*/g')))"
