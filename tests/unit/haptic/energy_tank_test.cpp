@@ -114,7 +114,7 @@ TEST_CASE("no sequence of forces gives a hand more than was stored and the bound
   std::mt19937_64 random(2);
   double worst = 0;
   std::uint32_t acted = 0;
-  for (int run = 0; run < 300; ++run) {
+  for (int run = 0; run < 150; ++run) {
     const double dt = run % 2 ? 0.001 : 0.0002;
     const int kind = run % 3;
     const bool unknown = run % 5 == 4;  // one more tick of delay than the core knows of
