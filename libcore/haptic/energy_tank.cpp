@@ -14,16 +14,17 @@ constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 // Seconds over which the hand's speed is measured: shorter, and an encoder's step looks fast.
 constexpr double kWindow = 0.002;
-// Seconds in which a force that was withheld comes back: at rest, while the tank is overdrawn, and
-// else.
+// Seconds in which a force that was withheld comes back: at rest, until the tank is filled and
+// then, while it is overdrawn, and else.
 constexpr double kRestReturn = 3;
+constexpr double kFilledReturn = 0.1;
 constexpr double kSlowReturn = 0.3;
 constexpr double kReturn = 0.03;
 // A hand rests that has been for kRestTime (s) within kRestRadius (m) of the mean of its places
-// over kRestMean (s), which is long against a tremor.
-constexpr double kRestTime = 1;
+// over kRestMean (s), which is about a period of its tremor.
+constexpr double kRestTime = 0.25;
 constexpr double kRestRadius = 2e-3;
-constexpr double kRestMean = 0.25;
+constexpr double kRestMean = 0.1;
 // Joules above what the model holds, up to which the tank is filled: the model holds less
 // than nothing where its interpolated energy dips below the lowest one of the records.
 constexpr double kAbove = 1e-4;
@@ -208,14 +209,16 @@ void EnergyTank::grant(double joules, double most) noexcept {
 bool EnergyTank::rests() const noexcept { return rested_ >= kRestTime; }
 
 bool EnergyTank::is_weak_at_rest() const noexcept {
-  return rests() && length_of(withheld_) > kNothing;
+  return rests() && (energy_ < 0 || length_of(withheld_) > kNothing);
 }
 
 void EnergyTank::refill(const TankTerms& terms, double held, double dt) noexcept {
   if (!is_weak_at_rest() || terms.damping == 0) return;
   // What is not a number adds nothing.
-  if (const double lacks = std::max(0.0, held) + kAbove - energy_; lacks > 0)
-    energy_ += std::min(lacks, kRefill * dt);
+  const double lacks = std::max(0.0, held) + kAbove - energy_;
+  if (lacks > 0) energy_ += std::min(lacks, kRefill * dt);
+  if (lacks < kAbove / 2)
+    for (double& w : withheld_) w *= kFilledReturn / (kFilledReturn + dt);
 }
 
 void EnergyTank::sent(const Vec3& force) noexcept {

@@ -7,7 +7,7 @@
 // can always be reached within the slew, and it is paid for. For any sequence of forces, the energy
 // returned is at most what the tank was granted, plus kTankSlack, plus the reserve, plus what a
 // damper of TankTerms::damping takes from the hand on its way, plus kRefill W while a hand rests
-// whose force is weakened.
+// whose force is weakened or whose tank is overdrawn.
 //
 // Why the damper. A force that comes late, if only by the half of a tick for which it is held,
 // gives back more than it took, on each way to and fro. The tank charges the hand for that, and for
@@ -23,11 +23,12 @@
 // Why the refill. Where a hand comes to a contact, the interpolated energy dips below the lowest
 // one of the records, or jumps where corners change. Then the tank has less than the model holds,
 // and a hand that trembles there is weakened for good: it stores less with the weakened force, and
-// gets less back. So the tank of a resting hand whose force is weakened is filled slowly, until it
-// has what the model holds. Meanwhile the weakening is nearly constant: a force that came back
-// within a tremble would give out on each way out what was filled in. A hand that goes from place
-// to place gets none of it, and a hand at rest no more than kRefill W, which is little against what
-// fingers damp.
+// gets less back. So the tank of a resting hand is filled while it is overdrawn or the force is
+// weakened, until it has what the model holds. Meanwhile the weakening is nearly constant: a force
+// that came back within a tremble would give out on each way out what was filled in. Then the force
+// comes back at once. The hand counts as resting after a quarter of a second, so that all this is
+// over within the first second of a contact. A hand that goes from place to place gets none of it,
+// and a hand at rest no more than kRefill W, which is little against what fingers damp.
 //
 // The bound holds under these assumptions:
 // - The damping of hand and device is at least TankTerms::damping, or takes kMostDamped.
@@ -57,8 +58,9 @@ namespace hapgrid {
 inline constexpr double kTankSlack = 1e-5;
 /// The most that counts of what the damping takes, W.
 inline constexpr double kMostDamped = 3e-3;
-/// W with which the tank of a resting hand is filled whose force is weakened.
-inline constexpr double kRefill = 1e-3;
+/// W with which the tank of a resting hand is filled while it is overdrawn or the force is
+/// weakened.
+inline constexpr double kRefill = 3e-3;
 /// The largest TankTerms::delay.
 inline constexpr std::uint32_t kMaxTankDelay = 30;
 
@@ -87,8 +89,8 @@ class EnergyTank {
   /// Adds joules that the hand may get back, as long as there are less than `most`. A tank begins
   /// with 0.
   void grant(double joules, double most) noexcept;
-  /// Whether the hand has rested for a second, trembling by 2 mm at most, and its force is
-  /// weakened.
+  /// Whether the hand has rested for a quarter of a second, trembling by 2 mm at most, and its
+  /// force is weakened, or the tank overdrawn.
   bool is_weak_at_rest() const noexcept;
   /// Fills the tank for `dt` seconds, if it is weak at rest and there is damping.
   /// @param held joules that the model holds above its lowest energy

@@ -8,8 +8,8 @@
 //   |F - F of the tick before| <= slew min(dt, slew_dt), unless F is a zero that a fault demands:
 //   so the loop keeps the slew limit in wall time (loop.hpp);
 //   the energy that the hand got back <= what the hand has put in + what the model held where the
-//   ramp rose + what limits.damping takes from the motion, at most kMostDamped + limits.reserve +
-//   0.01 mJ.
+//   ramp rose + what limits.damping takes from the motion, at most kMostDamped + kRefill while a
+//   hand rests that the tank lets down (energy_tank.hpp) + limits.reserve + 0.01 mJ.
 //
 // The third promise assumes that the hand's acceleration, the damping of hand and device, the
 // encoder and the delay are those of the limits, and that no tick is missed; energy_tank.hpp says

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 #include <random>
+#include <vector>
 
 #include "libcore/haptic/branch_traversal.hpp"
 #include "libcore/haptic/paper_traversal.hpp"
@@ -177,14 +178,15 @@ TEST_CASE("whatever the links are, the state jumps only where it snaps") {
       std::mt19937_64 random(seed);
       Vec3 x = random_point(box, random);
       REQUIRE(t.start(x).usable());
-      for (int leg = 0; leg < 6; ++leg) {
+      std::vector<double> before(t.row().size());
+      for (int leg = 0; leg < 3; ++leg) {
         x = t.position();  // a leg can end outside the box
         const Vec3 beyond = x + 3 * (random_point_in(box, cell_of(t), random) - x);
         double largest_step = 0;
         bool is_usable = true;
         for (int i = 0; i < kSteps; ++i) {
           const Vec3 next = x + 1.0 / (kSteps - i) * (beyond - x);
-          const auto before = copy(t.row());
+          std::copy(t.row().begin(), t.row().end(), before.begin());
           const auto r = t.step(next);
           is_usable &= r.usable();
           x = next;

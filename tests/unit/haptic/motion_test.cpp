@@ -69,7 +69,7 @@ TEST_CASE("a HIP that is not finite changes nothing") {
 }
 
 TEST_CASE("a jump is split into equal parts, as many as cells on its farthest axis") {
-  const Box box{{0, 0, 0}, 1, {40, 40, 40}};
+  const Box box{{0, 0, 0}, 1, {40, 9, 23}};
   const Grid grid = random_grid(box, 2, 4, 4);
   const Vec3 from{0.3, 0.6, 20.2}, to{12.7, 7.1, 20.9};
   PaperTraversal t(grid), by_hand(grid);
@@ -86,7 +86,7 @@ TEST_CASE("a jump is split into equal parts, as many as cells on its farthest ax
 }
 
 TEST_CASE("the bound on sub-steps delays a jump and changes nothing else") {
-  const Box box{{0, 0, 0}, 1, {40, 40, 40}};
+  const Box box{{0, 0, 0}, 1, {40, 9, 23}};
   const Grid grid = random_grid(box, 2, 4, 4);
   const Vec3 from{0.3, 0.6, 20.2}, to{30.7, 7.1, 20.9};
   PaperTraversal bounded(grid, 8), t(grid);
@@ -139,7 +139,9 @@ TEST_CASE("links and points that lead nowhere are met without harm") {
         REQUIRE(t.position() == position);
         REQUIRE(copy(t.state()) == before);
       }
-      for (const double s : t.state()) REQUIRE(std::abs(s) <= 1 + 8 * kEps);
+      double largest = 0;
+      for (const double s : t.state()) largest = std::max(largest, std::abs(s));
+      REQUIRE(largest <= 1 + 8 * kEps);
     }
   }
   CHECK(blocked > 100);

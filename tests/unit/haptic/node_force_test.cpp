@@ -297,7 +297,7 @@ TEST_CASE("whatever the links are, the force jumps only where the state does") {
     double largest_step = 0, since = 0;  // spacings since the nodes changed
     bool is_plain = true;
     const std::uint64_t allocated = allocations();
-    for (int leg = 0; leg < 20; ++leg) {
+    for (int leg = 0; leg < 8; ++leg) {
       const Vec3 from = x, to = random_point(box, random);
       for (int i = 1; i <= kTicks; ++i) {
         x = from + static_cast<double>(i) / kTicks * (to - from);
