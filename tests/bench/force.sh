@@ -68,7 +68,7 @@ from hapgrid import style
 
 into, *models = sys.argv[1:]
 with style.house_style():
-    drawn = style.figure(7, 2.9 * ((len(models) + 1) // 2))
+    drawn = style.figure(6.2, 2.5 * ((len(models) + 1) // 2))
     for number, model in enumerate(models):
         axes = drawn.add_subplot((len(models) + 1) // 2, 2, number + 1)
         for force, colour, marker in zip(("energy", "records", "state"), style.COLOURS, style.MARKERS):
