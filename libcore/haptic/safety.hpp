@@ -167,8 +167,8 @@ class SafetyCore {
   bool faulted() const noexcept { return state_.faulted; }
   /// Another hand: nothing of the ticks before counts. Real-time safe.
   void begin() noexcept { state_ = {}; }
-  /// Whether the next force is one of the ramp, or a resting hand's that is weakened. Real-time
-  /// safe.
+  /// Whether the next force is one of the ramp, or for a resting hand that the tank lets down.
+  /// Real-time safe.
   bool asks_for_stored() const noexcept { return state_.ramp < 1 || state_.tank.is_weak_at_rest(); }
   /// Ends a fault: the force comes back with the ramp. Real-time safe.
   void reset() noexcept;
