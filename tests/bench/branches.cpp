@@ -202,10 +202,11 @@ void compare(const Fields& fields, double right, const Felt& truth, const Felt& 
   figures.right += rms(fields, truth.row, play.row) <= right;
 }
 
-/// The first way there, after which the rule is on some branch, and the two that follow.
+/// The first way there, after which the rule is on some branch, and the two that follow. The first
+/// ways of a path do not count: in their first ticks a late answer has not come yet.
 void compare_ways(const Fields& fields, double right, const std::vector<Felt>& truth,
                   const std::vector<Felt>& play, Figures& figures) {
-  for (std::size_t i = 0; i + 3 * kLeg <= play.size(); i += 3 * kLeg) {
+  for (std::size_t i = 3 * kLeg; i + 3 * kLeg <= play.size(); i += 3 * kLeg) {
     bool is_smooth = true, is_apart = false;
     for (std::size_t j = 0; j < kLeg && is_smooth; ++j) {
       const std::size_t back = i + 2 * kLeg - 1 - j, again = i + 2 * kLeg + j;
