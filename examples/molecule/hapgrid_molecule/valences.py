@@ -59,7 +59,7 @@ def raise_valences(mol, lack):
         bonds = [(bond, end.GetIdx()) for bond in atom.GetBonds()
                  for end in [bond.GetOtherAtom(atom)] if lack.get(end.GetIdx()) and end.GetDegree() == 1]
         most, order = sum(lack[end] for _, end in bonds), _order(atom)
-        room = max((v - order for v in VALENCES.get(atom.GetAtomicNum(), ()) if 0 < v - order <= most), default=0)
+        room = max((v - order for v in VALENCES.get(atom.GetAtomicNum(), ())[1:] if 0 < v - order <= most), default=0)
         for bond, end in bonds:
             more = min(lack[end], room)
             bond.SetBondType(Chem.BondType.values[int(bond.GetBondTypeAsDouble()) + more])
