@@ -17,10 +17,10 @@ using namespace hapgrid::testing;
 
 namespace {
 
-const TemporaryDirectory directory;
+const TemporaryDirectory kDirectory;
 
 std::string text_file(const std::string& text) {
-  const std::string file = directory.file("x.log");
+  std::string file = kDirectory.file("x.log");
   std::ofstream(file, std::ios::trunc) << text;
   return file;
 }
@@ -35,7 +35,7 @@ std::string text_refusal(const std::string& text, double rate_hz = 1000) {
 
 TEST_CASE("the hand's part of a session") {
   std::vector<TickRecord> ticks = random_ticks(5000, 1);
-  const std::string file = directory.file("x.session");
+  const std::string file = kDirectory.file("x.session");
   SessionWriter writer(file, small_header());
   for (const TickRecord& tick : ticks) writer.add(tick);
   writer.finish();
