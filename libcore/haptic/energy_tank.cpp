@@ -14,12 +14,11 @@ constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 // Seconds over which the hand's speed is measured: shorter, and an encoder's step looks fast.
 constexpr double kWindow = 0.002;
-// Seconds in which a force that was withheld comes back: at rest, until the tank is filled and
-// then, while it is overdrawn, and else.
-constexpr double kRestReturn = 3;
-constexpr double kFilledReturn = 0.1;
-constexpr double kSlowReturn = 0.3;
-constexpr double kReturn = 0.03;
+// Seconds in which a force that was withheld comes back.
+constexpr double kRestReturn = 3;      // to a hand that rests, while the tank is filled
+constexpr double kFilledReturn = 0.1;  // to such a hand, when the tank is full
+constexpr double kSlowReturn = 0.3;    // to a hand that moves, while the tank is overdrawn
+constexpr double kReturn = 0.03;       // in all other cases
 // A hand rests that has been for kRestTime (s) within kRestRadius (m) of the mean of its places
 // over kRestMean (s), which is about a period of its tremor.
 constexpr double kRestTime = 0.25;

@@ -63,8 +63,8 @@ def _map(path):
 
 
 def fitted(table, low, high):
-    """A map from `low` to `high`, in whole steps. Beyond its edge it has the value there and a wall that grows with the
-    square of the distance, so that the ligand's atoms stay inside."""
+    """A map from `low` to `high`, in whole steps. Beyond its edge it has the value there and an energy that grows with
+    the square of the distance, so that the ligand's atoms stay inside."""
     h = table.axes[0, 0]
     begin = np.floor((low - table.origin) / h + 1e-6).astype(int)
     end = np.ceil((high - table.origin) / h - 1e-6).astype(int)

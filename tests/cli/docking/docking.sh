@@ -50,7 +50,7 @@ same 'the line to feel it' 'hapgrid feel renamed/small.grid' "$(cat line)"
 same 'the same definition' "$(stat -c %Y small/small.toml)" "$(stat -c %Y renamed/small.toml)"
 
 # The maps that autogrid4 made for `usual`, as maps that a user has: the same energies at its places. The second box
-# reaches beyond them, where a wall keeps the atoms inside.
+# reaches beyond them, where the energy of an atom grows.
 hapgrid dock usual/host.maps.fld usual/ligand.pdbqt -o own --centre 0,0,3 --size 2,2,3 --until definition -q
 /usr/bin/python3 "$here/energies.py" own on usual
 refuses 'dock: the box is not inside the maps, which go from .*' -- \
