@@ -26,9 +26,8 @@ Files in DIR, whose name is NAME:
   NAME.toml        definition of the grid; NAME.grid is the grid itself
   host.pdbqt, ligand.pdbqt   types and charges of the atoms
   host.*.map       what AutoGrid made of them, without --atoms
-  wall.table       the energy of the deepest pose at each point, which is that of
-                   all poses inside atoms; it stays as it is when you change
-                   NAME.toml
+  wall.table       energy of the deepest pose at each point, which is that of
+                   all poses inside atoms; it stays when you change NAME.toml
   poses.tsv        the deepest poses, as energies and places
   path.txt         a way in and back
 
