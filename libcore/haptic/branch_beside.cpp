@@ -17,6 +17,8 @@ constexpr double kSame = 1.0 / 3;
 constexpr double kFarNearer = 0.3;
 // How far outside the cell a late answer may lie, in spacings.
 constexpr double kBeside = 0.5;
+// How many ticks older than the newest answer another one may be.
+constexpr std::uint64_t kOldestKept = 64;
 
 bool is_near_cell(const Vec3& part) {
   return std::all_of(part.begin(), part.end(),
@@ -34,23 +36,39 @@ void BranchTraversal::settle(StepResult& result) noexcept {
     beside_->start(position(), result.chosen);
   else
     beside_->follow(position());
+  if (result.started) trusted_from_ = beside_->tick();
   const BesideAnswer* const answer = beside_->answer();
   const std::uint64_t age = answer ? beside_->tick() - answer->tick : 0;
   // The grid decides where the model does not. If the grid has snapped, late answers still tell of
   // the branch before: they are passed over until one comes that is as late after the snap.
   if (result.snapped) trusted_from_ = beside_->tick() + age;
   if (answer && answer->tick >= trusted_from_ && is_near_cell(part_beside_cell(answer->at))) {
-    // A hand that turns round does not come to where the model looked ahead.
-    const auto away = [&](const Vec3& place) { return length_of(place - position()); };
-    result.still_held = offset_.is_held() && away(held_at_) < away(answer->at);
+    const BesideAnswer& nearest = keep_nearest(*answer);
+    result.still_held = offset_.is_held() && nearest.tick == held_tick_;
     if (result.still_held) return;
-    followed_ = answer;
-    held_at_ = answer->at;
-    follow(*answer, result);
+    followed_ = &nearest;
+    held_tick_ = nearest.tick;
+    follow(nearest, result);
     return;
   }
   offset_.let_go();
   if (decide_by_grid(result)) trusted_from_ = beside_->tick() + age;
+}
+
+/// A hand that turns round does not come to where the model looked ahead, but back to where it was:
+/// one of the last answers may be nearer to it than the newest. @returns the nearest one
+const BesideAnswer& BranchTraversal::keep_nearest(const BesideAnswer& newest) noexcept {
+  if (kept_[last_kept_].tick != newest.tick) {
+    last_kept_ = (last_kept_ + 1) % kKept;
+    kept_[last_kept_] = newest;  // as long as those before: nothing is allocated
+  }
+  const BesideAnswer* nearest = &kept_[last_kept_];
+  const auto away = [&](const BesideAnswer& answer) { return length_of(answer.at - position()); };
+  for (const BesideAnswer& answer : kept_)
+    if (answer.tick >= trusted_from_ && newest.tick - answer.tick <= kOldestKept &&
+        away(answer) < away(*nearest))
+      nearest = &answer;
+  return *nearest;
 }
 
 /// Takes the state of the model, as the sum of what the branch of the cell has that is nearest to
@@ -72,6 +90,7 @@ void BranchTraversal::follow(const BesideAnswer& answer, StepResult& result) noe
     const double left = find_missing(rows_, weights, answer.row);
     if (nodes_ != before && jump > tolerance * tolerance && left < kFarNearer * jump) {
       result.snapped = result.level_changed = true;
+      trusted_from_ = answer.tick;  // those before are of the branch before
       offset_.end();
     }
   }

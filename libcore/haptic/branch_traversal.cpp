@@ -59,6 +59,7 @@ BranchTraversal::BranchTraversal(const Grid& grid, std::shared_ptr<const BranchM
       missing_(row_.size()),
       expected_(row_.size()) {
   candidates_.reserve(kMostCandidates);
+  for (BesideAnswer& answer : kept_) answer.row.resize(row_.size());
 }
 
 bool BranchTraversal::begin(int nearest, Level level) noexcept {

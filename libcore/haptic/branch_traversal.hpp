@@ -83,6 +83,7 @@ class BranchTraversal final : public Traversal {
   bool find_better(PointIndex base, const std::array<double, 8>& weights,
                    const std::array<RecordIndex, 8>& kept, Branch& branch) const noexcept;
   void change_anchor(StepResult& result) noexcept;
+  const BesideAnswer& keep_nearest(const BesideAnswer& newest) noexcept;
   void follow(const BesideAnswer& answer, StepResult& result) noexcept;
   double find_missing(const std::array<const double*, 8>& rows,
                       const std::array<double, 8>& weights, std::span<const double> row) noexcept;
@@ -108,10 +109,13 @@ class BranchTraversal final : public Traversal {
 
   Beside* beside_ = nullptr;
   const BesideAnswer* followed_ = nullptr;  // by the last step
-  Vec3 held_at_{0, 0, 0};                   // the place of the last answer that was followed
-  std::uint64_t trusted_from_ = 0;          // an answer of an earlier Beside::tick() is passed over
-  std::vector<double> missing_;             // see find_missing()
-  std::vector<double> expected_;            // in follow(): the offset, less what is missing
+  std::uint64_t held_tick_ = 0;             // of the last answer that was followed
+  static constexpr std::size_t kKept = 16;
+  std::array<BesideAnswer, kKept> kept_{};  // the last answers, a ring
+  std::size_t last_kept_ = 0;
+  std::uint64_t trusted_from_ = 0;  // an answer of an earlier Beside::tick() is passed over
+  std::vector<double> missing_;     // see find_missing()
+  std::vector<double> expected_;    // in follow(): the offset, less what is missing
   // How many branches of a cell are compared with the model's state.
   static constexpr std::size_t kMostCandidates = 64;
   std::vector<Branch> candidates_;  // all branches of the cell at candidates_base_, if any

@@ -66,7 +66,7 @@ inline constexpr std::uint32_t kMaxTankDelay = 30;
 
 /// What the tank counts on.
 struct TankTerms {
-  double reserve = 1e-3;     ///< joules that letting go may cost beyond what is stored
+  double reserve = 5e-4;     ///< joules that letting go may cost beyond what is stored
   double acceleration = 40;  ///< bound on the hand's, m/s^2
   double encoder = 0;        ///< step of the positions, m
   std::uint32_t delay = 0;   ///< ticks from when a force is sent until it is in effect; or one more

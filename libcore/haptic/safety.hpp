@@ -74,7 +74,7 @@ struct SafetyLimits {
   /// This many missed ticks give zero, then a ramp; inf: none. At 1 kHz 10 ms: a busy machine is
   /// seldom late by that, and a hand goes 2 cm in them at most.
   double watchdog_ticks = 10;
-  double reserve = 1;        ///< mJ that letting go may cost beyond what is stored; inf: no limit
+  double reserve = 0.5;      ///< mJ that letting go may cost beyond what is stored; inf: no limit
   double acceleration = 40;  ///< of the hand at most, m/s^2
   double encoder = 5.5e-5;   ///< the device's positions come in such steps, m
   double delay_ticks = 0;    ///< from when a force is sent until it is in effect

@@ -40,6 +40,30 @@ for model in hung-ball leu-enkephalin; do
     "$(key "$model.json" compute p99.9_us)" "$(key "$model.json" compute max_us)"
 done
 
+# A live hand, whose places come through a pipe at 125 Hz as a mouse sends them: the grid alone, and with the model
+# in a thread beside it, in turns.
+live() { # GRID BESIDE
+  rm -f hand
+  mkfifo hand
+  awk 'NR % 8 == 0 { print; fflush(); system("sleep 0.008") }' path >hand &
+  play "$1" --device path:hand --rate 1000 --beside "$2" --report live.json 2>/dev/null
+  wait
+  printf '%s %s\n' "$(key live.json compute p50_us)" "$(key live.json compute p99_us)" >>"live.$2"
+}
+echo 'computing time of a tick of a live hand, us: p50, p99'
+for model in hung-ball leu-enkephalin; do
+  paths "$model.grid" 1000
+  rm -f live.on live.off
+  for _ in $(seq "$turns"); do
+    live "$model.grid" off
+    live "$model.grid" on
+  done
+  for beside in off on; do
+    printf '  %-16s model beside: %-3s %s, %s\n' "$model" $beside \
+      "$(cut -d ' ' -f 1 live.$beside | median)" "$(cut -d ' ' -f 2 live.$beside | median)"
+  done
+done
+
 # The 99th percentile of cyclictest's histogram of microseconds.
 cyclic() { # INTERVAL_US
   cyclictest -q -m -t 1 -p 40 -i "$1" -D "$seconds" -h 20000 2>/dev/null |

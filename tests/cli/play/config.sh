@@ -73,7 +73,7 @@ only gain 1.01 1 less
 only gain 5 1 less
 only max-force 3.01 '3 N' less
 only safety.ramp 0 '500 ms' more
-only safety.reserve 2 '1 mJ' less
+only safety.reserve 1 '0.5 mJ' less
 only safety.encoder 1e-05 '5.5e-05 m' more
 nothing_left . empty.toml err good.toml grid here model.toml path there wrong.toml
 

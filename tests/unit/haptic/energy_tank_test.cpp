@@ -145,7 +145,7 @@ TEST_CASE("no sequence of forces gives a hand more than was stored and the bound
     REQUIRE(largest <= 3);
     REQUIRE(largest_change <= 1000 * dt + 1e-15);
     // Rounding: 2,000 sums of work below 1 J.
-    const double bound = stored + 1.01e-3 + 1e-12;
+    const double bound = stored + 0.51e-3 + 1e-12;
     worst = std::max(worst, hand.counted_returned - stored);
     REQUIRE(hand.counted_returned <= bound);
     if (limits.encoder == 0 && limits.damping == 0) REQUIRE(hand.returned == hand.counted_returned);
@@ -168,7 +168,7 @@ TEST_CASE("a fault does not fill the tank again") {
     hand.advance(kZero, 0.001);
   }
   CHECK(hand.returned > 0);
-  CHECK(hand.returned <= 1.01e-3 + 1e-12);
+  CHECK(hand.returned <= 0.51e-3 + 1e-12);
   CHECK(safety.stored() <= -hand.given + 1e-12);
 }
 
@@ -286,12 +286,13 @@ TEST_CASE("a resting hand gets back the force of a contact that was weakened") {
   constexpr double kWall = 250, kDt = 0.001, kTremor = 3e-4, kDepth = 4e-3;
   for (const double damping : {2 * kWall * kDt, 0.0}) {
     SafetyCore safety(only_tank(damping));
-    double weakest = kInf, weakest_filled = kInf, given = 0, before = -kDepth, sent = 0;
+    double weakest = kInf, weakest_filled = kInf, given = 0, late = 0, before = -kDepth, sent = 0;
     for (int i = 0; i < 62000; ++i) {
       const double out = std::clamp((i - 60000) * 5e-6, 0.0, 5e-3);
       const double x = -kDepth + kTremor * std::sin(2 * M_PI * 10 * i * kDt) + out;
       const Vec3 wall{std::max(0.0, -kWall * x), 0, 0};
       given += sent * (x - before);
+      if (i < 60000) late += kWall / 2 * (x - before) * (x - before);
       before = x;
       const double energy = kWall / 2 * std::pow(std::min(0.0, x), 2);
       sent = safety
@@ -307,10 +308,12 @@ TEST_CASE("a resting hand gets back the force of a contact that was weakened") {
     // The hand rests after 0.25 s. The spring holds 2.3 mJ at its deepest, which take 0.8 s to
     // fill, and of what was withheld e^-7 is left 0.7 s later.
     CHECK((weakest_filled > 0.98) == (damping > 0));
-    // No more than the spring held at its deepest, and what the tank has beyond: its slack, the
-    // reserve, and the 0.1 mJ above the model.
+    // No more than the spring held at its deepest, what a force that is held for a tick gives too
+    // much and the damping takes, and what the tank has beyond: its slack, the reserve, and the
+    // 0.1 mJ above the model.
     const double deepest = kDepth + kTremor;
-    CHECK(given <= (damping > 0 ? kWall / 2 * deepest * deepest + 1e-4 : 0) + kTankSlack + 1e-3);
+    const double filled = kWall / 2 * deepest * deepest + late + 1e-4;
+    CHECK(given <= (damping > 0 ? filled : 0) + kTankSlack + 5e-4);
   }
 }
 
@@ -331,7 +334,7 @@ TEST_CASE("a force that goes with a resting hand for ever gives it what is fille
                        .stored = i == 0 ? std::nullopt : std::optional(1.0)})
                .force[0];
   }
-  CHECK(given <= 60 * (kRefill + kMostDamped) + kTankSlack + 1e-3);
+  CHECK(given <= 60 * (kRefill + kMostDamped) + kTankSlack + 5e-4);
   CHECK(given > 30 * kRefill);
 }
 
