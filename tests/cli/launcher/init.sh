@@ -37,8 +37,10 @@ made() (
   [[ ! ${CHECKED-} ]] || cp "$CHECKED" "$folder/check.txt"
   PATH=/usr/bin:/bin
   make -C "$folder" "${small[@]}" >made.out 2>made.err || fail "$(cat made.out made.err)"
-  for verdict in ${CHECKED:-'check-model: fine: 8 checks'} 'verify: fine: 1[0-9] checks'; do
-    [[ $verdict == "${CHECKED-}" ]] || grep -qx "$verdict" made.err || fail "$folder: not '$verdict': $(cat made.err)"
+  local verdicts=('verify: fine: 1[0-9] checks') verdict
+  [[ ${CHECKED-} ]] || verdicts+=('check-model: fine: 8 checks')
+  for verdict in "${verdicts[@]}"; do
+    grep -qx "$verdict" made.err || fail "$folder: not '$verdict': $(cat made.err)"
   done
   cp "$folder/$folder.grid" "$folder.first"
   make -C "$folder" play >made.out 2>&1 || fail "$(cat made.out)"
@@ -110,7 +112,7 @@ mv root "the \$root #1 & 'only'"
 installed=$(find "$PWD"/the* -path '*/bin/hapgrid')
 for language in "${languages[@]}"; do
   folder=installed_${language/++/xx}
-  # Python walks for 10 s what it walked above.
+  # The walks of check-model take long in Python, and are those of above.
   if [[ $language == python ]]; then CHECKED=my_python/check.txt made "$folder" "$installed"; else made "$folder" "$installed" "--lang=$language"; fi
   cmp <(dump "$folder/$folder.grid") "my_${language/++/xx}.dump"
 done
