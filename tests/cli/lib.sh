@@ -127,10 +127,10 @@ in_time() {
 # decode FILE...: prints the shards as JSON, a line for each message, with the stock tools.
 decode() { zstd -dc "$@" | capnp convert binary:json --short "$schema" Message; }
 
-# header FILE FIELD: prints a number or name from a shard's first header, with the stock tools.
+# header FILE FIELD: prints a number or name from a shard's first header, with the stock tools. What follows is not decoded.
 header() {
-  zstd -dc "$1" | capnp decode --short "$schema" Message |
-    sed -nE "1s/.*[( ]$2 = \"?([^,\") ]*).*/\1/p"
+  { zstd -dc "$1" | capnp decode --short "$schema" Message 2>/dev/null || true; } |
+    sed -nE "1{s/.*[( ]$2 = \"?([^,\") ]*).*/\1/p;q}"
 }
 
 # nothing_left DIRECTORY NAME...: the directory must hold these files and no others, hidden ones included.

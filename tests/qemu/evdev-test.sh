@@ -9,7 +9,7 @@ cat >session <<'END'
 # The hand begins at x = 0.175, to the right of the ball.
 common="play /ball.grid --model-path /bin --set mapping.offset=[0.2,0,0] --set mapping.speed=0.8 --set safety.ramp=100"
 uinput-device gamepad >/tmp/gamepad & gamepad=$!
-uinput-device stick --slow 150 >/tmp/stick &
+uinput-device stick --slow 110 >/tmp/stick &
 await /dev/input/event1 /dev/input/event2
 event() {
   for name in /sys/class/input/event*/device/name; do grep -qx "$1" $name && basename ${name%/device/name}; done

@@ -120,7 +120,7 @@ words, times = record("stick")
 assert words[:2] == [["set", "97", "0"], ["set", "96", "65535"]], words[:2]
 played = ticks("stick")
 got = [tuple(map(int, w[3:5])) for w in words if w[:3] == ["upload", "0", "constant"]]
-assert len(got) == 150 and max(level for level, _ in got) > 5000, (len(got), max(got))
+assert len(got) == 110 and max(level for level, _ in got) > 5000, (len(got), max(got))
 follows(got[1:], [constant(force) for _, force, _ in played], "constant force")
 # The ball is to the left and below: the force on the hand points to the right, 0xC000.
 assert all(abs(direction - 0xc000) < 0x1000 for level, direction in got if level > 1000), got

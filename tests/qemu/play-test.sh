@@ -4,13 +4,10 @@
 source "$(dirname "$0")/lib.sh"
 
 seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete -o ball.grid
-# The hand: there and back along x, 200 mm a second, as a line a report at 5 kHz; then it rests. The
+# The hand: there and back along x, 200 mm a second, as a line a report at 5 kHz and at 1 kHz; then it rests. The
 # reach of 0.2 m fills the box of 1.9 along x: 9.5 units a metre.
-python3 - >positions.txt <<'PYTHON'
-for i in range(5000):
-    x = 40 * i if i < 2500 else 40 * (5000 - i)
-    print(x - 80000, 0, 0)
-PYTHON
+{ seq -f '%.0f 0 0' -80000 40 19960; seq -f '%.0f 0 0' 20000 -40 -79960; } >positions.txt
+seq -f '%.0f 0 0' -80000 200 19960 >thousand.txt
 cat >few.txt <<'END'
 1 -2 3
 100000 -200000 300000
@@ -18,11 +15,12 @@ cat >few.txt <<'END'
 END
 hid_profile '-0.1, -0.1, -0.1' '0.1, 0.1, 0.1' >profile.toml
 # In the background SIGINT would be ignored, so `timeout` sends it. A record's forces are many: of all
-# but the first only how many there are and the last ones.
+# but the first only how many there are and the last ones. How a play ends has nothing to do with its rate: 1 kHz there.
 cat >session <<'END'
 # Numbers are computed ten times slower here, which leaves no time for the model.
-play="play /ball.grid --model-path /bin --device hid:/profile.toml --rate 5000 --set safety.ramp=100 --beside off"  # to a file: on a pipe it would write frames
-device() { rawhid-device --rate 5000 "$@" /positions.txt >/tmp/record & device=$!; await /dev/hidraw0; }
+play="play /ball.grid --model-path /bin --device hid:/profile.toml --set safety.ramp=100 --beside off"  # to a file: on a pipe it would write frames
+device() { rawhid-device "$@" >/tmp/record & device=$!; await /dev/hidraw0; }
+slow() { device --rate 1000 "$@" /thousand.txt; }
 over() { kill $device 2>/dev/null; wait $device; while [ -e /dev/hidraw0 ]; do usleep 10000; done; }
 summary() {
   grep ' out ' /tmp/record | awk '{ x = $3 < 0 ? -$3 : $3; if (x > most) most = x } END { print NR, most }'
@@ -44,9 +42,9 @@ wait $!
 exec 3>&-
 test ! -e /dev/hidraw0 || echo "it is still there"
 cat /tmp/record
-echo "== 5000 ticks"
-device
-$play --duration 1 --log /tmp/log.session --report /tmp/report >/dev/null
+echo "== ticks"
+device --rate 5000 /positions.txt
+$play --rate 5000 --duration 0.5 --log /tmp/log.session --report /tmp/report >/dev/null
 echo "exit $?"
 over
 echo "== report"; cat /tmp/report
@@ -55,7 +53,7 @@ echo "== session"; base64 /tmp/log.session
 echo "== busy"  # a desktop that takes all the time that it can get; the device itself is never late
 chrt -f 48 rawhid-device --rate 5000 /positions.txt >/tmp/record & device=$!; await /dev/hidraw0
 (while :; do :; done) & desktop=$!
-$play --duration 1 --report /tmp/report >/dev/null & player=$!
+$play --rate 5000 --duration 1 --report /tmp/report >/dev/null & player=$!
 usleep 900000
 for name in hapgrid-hid hapgrid-guard; do
   echo "task $name $(chrt -p "$(pidof $name)" | sed 's/.*: //' | tr '\n' ' ')"
@@ -64,19 +62,19 @@ wait $player; echo "exit $?"; kill $desktop; over
 echo "forces $(grep -c ' out ' /tmp/record)"
 echo "== busy report"; cat /tmp/report
 echo "== unplugged"
-device --unplug-after 2250; $play >/dev/null; echo "exit $?"; over; summary
+slow --unplug-after 450; $play >/dev/null; echo "exit $?"; over; summary
 echo "== silent"
-device --unplug-after 2250 --silent 200; $play >/dev/null; echo "exit $?"; over; summary
+slow --unplug-after 450 --silent 200; $play >/dev/null; echo "exit $?"; over; summary
 echo "== interrupted"
-device; timeout -s INT 0.5 $play >/dev/null; echo "exit $?"; over; summary
+slow; timeout -s INT 0.5 $play >/dev/null; echo "exit $?"; over; summary
 echo "== killed"
-device; timeout -s KILL 0.5 $play >/dev/null; echo "exit $?"; usleep 300000; over; summary
+slow; timeout -s KILL 0.5 $play >/dev/null; echo "exit $?"; usleep 300000; over; summary
 echo "== list"
-device; play --list-devices; over
+slow; play --list-devices; over
 echo "== end"
 END
 TIMEOUT=${TIMEOUT:-900} machine "$qemu/rawhid-device" "$HAPGRID_BIN/play" "$HAPGRID_BIN/hapgrid-guard" "$HAPGRID_BIN/hapgrid-hid" "$HAPGRID_BIN/hapgrid-spacemouse" "$HAPGRID_BIN/hapgrid-evdev" "$HAPGRID_BUILD/models/hung-ball.so" \
-  "$(command -v chrt)" ball.grid profile.toml few.txt positions.txt session -- 'sh session'
+  "$(command -v chrt)" ball.grid profile.toml ./*.txt session -- 'sh session'
 printf '%s\n' "$output" >got
 python3 "$here/play_test.py" got positions.txt
 # What was recorded there gives the same forces here, bit for bit.

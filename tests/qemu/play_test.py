@@ -31,19 +31,19 @@ assert [event for _, event in events[:-1]] == ["open", "out 1 -2 32767 513", "sh
 assert re.fullmatch(r"end 2000 \S+ \S+", end) and 399800 <= float(time) < 401000, events[-1]
 assert float(end.split()[2]) < 100, end
 
-# 5,000 ticks at 5 kHz. Of a tick's 200 us, play and its adapter take 140 on this slow machine, and what the kernel itself does
+# 2,500 ticks at 5 kHz. Of a tick's 200 us, play and its adapter take 140 on this slow machine, and what the kernel itself does
 # now and then costs some more: one tick in 500 may be missed.
 report = json.loads("\n".join(parts["report"]))
 del report["lateness"]["histogram"], report["compute"]["histogram"]
-assert report["ticks"] + report["missed"] == 5000 and report["missed"] <= 10, report
+assert report["ticks"] + report["missed"] == 2500 and report["missed"] <= 5, report
 assert report["device"] == "test device" or "test device" in report["device"], report
-assert exit_code(parts["5000 ticks"]) == ["exit 0"], parts["5000 ticks"]
+assert exit_code(parts["ticks"]) == ["exit 0"], parts["ticks"]
 open("log.session", "wb").write(base64.b64decode("".join(parts["session"])))
 forces = [tuple(map(int, line.split())) for line in parts["record"]]
-assert len(forces) > 2500 and forces[-1] == (0, 0, 0), (len(forces), forces[-3:])
+assert len(forces) > 1250 and forces[-1] == (0, 0, 0), (len(forces), forces[-3:])
 strongest = max(abs(f[0]) for f in forces)
 assert strongest > 100, ("no contact was felt", strongest)
-print(f"5000 ticks: {report['missed']} missed, {len(forces)} reports of force, "
+print(f"2500 ticks: {report['missed']} missed, {len(forces)} reports of force, "
       f"p99 of lateness {report['lateness']['p99_us']:g} us, of computing {report['compute']['p99_us']:g} us")
 
 
@@ -56,14 +56,14 @@ tasks = [line for line in parts["busy"] if line.startswith("task ")]
 assert tasks == [f"task hapgrid-{name} SCHED_FIFO|SCHED_RESET_ON_FORK {priority} "
                  for name, priority in (("hid", 45), ("guard", 46))], tasks
 busy = int(next(line for line in parts["busy"] if line.startswith("forces ")).split()[1])
-assert busy > 0.95 * len(forces), (busy, len(forces))
+assert busy > 2 * 0.95 * len(forces), (busy, len(forces))  # it lasts twice as long
 print(f"under load: {report['missed']} missed, {busy} reports of force")
 
 
 def felt(lines):
     """The last report, and whether the ball was felt before."""
     count, most = map(int, lines[-2].split())
-    assert count > 500 and most > 100, lines
+    assert count > 100 and most > 100, lines
     return lines[-1]
 
 
@@ -91,7 +91,7 @@ lines = parts["list"]
 assert any(line.startswith("hid:PROFILE ") and "Teensy RawHID (16c0:0486), interface -1, usage ffab:0200, /dev/hidraw0"
            in line for line in lines), lines
 
-# What went over the wire at 5,000 ticks against the session's text.
+# What went over the wire at 2,500 ticks against the session's text.
 with open("there.txt", "w") as file:
     subprocess.run([sys.executable, os.environ["HAPGRID_SOURCE"] + "/tests/cli/stats/session.py", "text", "log.session"], check=True, stdout=file)
 ticks = [line.split("\t") for line in open("there.txt") if not line.startswith("#")]
@@ -108,7 +108,7 @@ for tick, (x, y, z) in enumerate(hips):
         at += 1
     assert at < len(sent), f"tick {tick}: {x} is no position of the device after the one before"
     assert abs(y + 0.025) < 1e-9 and abs(z + 0.025) < 1e-9, (y, z)
-assert at > 4900, at
+assert at > 2450, at
 
 def is_of(force, report):
     """Whether a report has this force in whole millinewtons, rounded towards zero."""
@@ -125,5 +125,5 @@ for number, report in enumerate(forces[:-1]):  # the last one is the stop's zero
         rest = forces[number:]
         assert len(rest) <= 3 and all(w == (0, 0, 0) for w in rest), (number, rest[:5])
         break
-assert len(forces) > 4500, len(forces)
+assert len(forces) > 2250, len(forces)
 print(f"{len(hips)} positions and {len(forces)} forces are the device's and the session's")

@@ -9,7 +9,7 @@ needs vina autodock-vina
 needs_python numpy python3-numpy
 host=$HAPGRID_SOURCE/examples/docking/calix.mol2 ligand=$HAPGRID_SOURCE/examples/docking/formamide.mol2
 
-hapgrid dock "$host" "$ligand" -o usual --centre 0,0,3 --size 2,2,3 --until definition -q
+hapgrid dock "$host" "$ligand" -o usual --centre 0,0,3 --size 2,2,3 --map-spacing 0.375 --until definition -q
 /usr/bin/python3 "$here/energies.py" usual on
 hapgrid dock "$host" "$ligand" -o fine --centre 0,0,2.5 --size 0.5,0.5,0.5 --map-spacing 0.05 --until definition -q
 /usr/bin/python3 "$here/energies.py" fine between
@@ -34,7 +34,9 @@ obabel -:OCCCCO --gen3d -O diol.mol2 >/dev/null 2>&1
 hapgrid dock "$host" diol.mol2 -o within --centre 0,0,3 --size 0.5,0.5,0.5 --map-spacing 0.375 --until definition -q
 /usr/bin/python3 "$here/energies.py" within within
 obabel -:OCCO --gen3d -O glycol.mol2 >/dev/null 2>&1
-hapgrid dock "$host" glycol.mol2 -o bends --torsions 1 --centre 0,0,4.4 --size 0.8,0.8,0.8 --spacing 0.8 --map-spacing 0.375 -q >line
+# Its host is atoms, as below.
+hapgrid dock "$host" glycol.mol2 -o bends --torsions 1 --centre 0,0,4.4 --size 0.8,0.8,0.8 --spacing 0.8 --atoms -q >line
+same 'the line to feel it' 'hapgrid feel bends/bends.grid' "$(cat line)"
 same 'a state of six numbers and an angle' 'torsion 1 / rad' "$(head -n 1 bends/poses.tsv | cut -f 11)"
 refuses 'dock: .*4 torsions are asked for, and 3 of its bonds turn.*' -- \
   hapgrid dock "$host" glycol.mol2 -o out --torsions 4 --centre 0,0,4.4 --size 0.8,0.8,0.8 --map-spacing 0.375 -q
@@ -74,8 +76,6 @@ hapgrid dock plain.pdbqt "$ligand" -o plain "${small_box[@]}" --map-spacing 0.05
 hapgrid dock plain.pdbqt "$ligand" -o atoms "${small_box[@]}" --atoms --until definition -q
 [[ ! -e atoms/host.gpf ]] || fail 'AutoGrid was called'
 /usr/bin/python3 "$here/energies.py" atoms atoms plain
-hapgrid dock "$host" "$ligand" -o byatoms --centre 0,0,4 --size 0.8,0.8,0.8 --spacing 0.8 --atoms -q >line
-same 'the line to feel it' 'hapgrid feel byatoms/byatoms.grid' "$(cat line)"
 refuses 'dock: usual/host.maps.fld: --atoms needs the file of the .*' -- \
   hapgrid dock usual/host.maps.fld "$ligand" -o out --atoms -q
 refuses 'dock: the ligand overlaps with the host everywhere in the box: .*' -- \

@@ -1,7 +1,8 @@
 # The Debian package: what is in it works from wherever it is unpacked.
 source "$(dirname "$0")/../lib.sh"
 needs dpkg-shlibdeps dpkg-dev
-cpack --config "$HAPGRID_BUILD/CPackConfig.cmake" -G DEB -B "$PWD/out" >cpack.log 2>&1 || fail "$(cat cpack.log)"
+# zstd packs faster than the usual gzip.
+cpack --config "$HAPGRID_BUILD/CPackConfig.cmake" -G DEB -D CPACK_DEBIAN_COMPRESSION_TYPE=zstd -B "$PWD/out" >cpack.log 2>&1 || fail "$(cat cpack.log)"
 package=$(find out -maxdepth 1 -name 'hapgrid_0.1.0_*.deb')
 dpkg-deb -f "$package" Depends | grep -q libhidapi-hidraw0 || fail "$(dpkg-deb -f "$package" Depends)"
 dpkg-deb -f "$package" Recommends | grep -q 'xtb' || fail "$(dpkg-deb -f "$package" Recommends)"

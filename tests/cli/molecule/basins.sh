@@ -9,7 +9,7 @@ same "minima" "0.00 0 5.77 -0.314814815 5.77 0.314814815" "$(awk '$1 == "minimum
 refuses 'seed: .*morph_stiffness is 5, it must be 0 where a path goes on behind its saddles: .*' -- \
   seed "$toml" --set model.parameters.morph_stiffness=5
 refuses 'molecule-check: --xyz: numbers from -0\.5 to 0\.5' -- molecule-check "$toml" --xyz=-0.6
-seed "$toml" --set grid.spacing=0.9 --set 'grid.counts=[17,15,15]' --set 'grid.origin=[-7.2,-6.3,-6.3]' |
+seed "$toml" --set grid.spacing=1.1 --set 'grid.counts=[13,11,11]' --set 'grid.origin=[-6.6,-5.5,-5.5]' |
   expand --complete -o grid
 verify grid --recompute 100 >report 2>verdict || fail "$(cat verdict)"
 sed -n '3,$p' "$molecules/dichloroethane/path-there-and-back.txt" >path

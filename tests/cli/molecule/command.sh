@@ -102,12 +102,12 @@ sed -i 's/^penalty = 100 /penalty = 60 /' salt/salt.toml
 expect 0 "~hapgrid play .*" '~.*salt\.toml was changed by hand: it is kept.*' -- "${salt[@]}"
 same "penalty" 60.0 "$(stats salt/salt.grid --get parameters.penalty)"
 
-# Of several records, too, the largest is felt, here the second, which has no torsion: 6 numbers and no path.
+# Of several records, too, the largest is felt, here the second, which has no torsion: 6 numbers. Its grid is one of folder.sh.
 { obabel -:C -osdf -h --gen3d && obabel -:C#N -osdf -h --gen3d && obabel -:O -osdf -h --gen3d; } >records.sdf 2>obabel.log
-expect 0 '~hapgrid play .*path-past\.txt.*' \
+expect 0 '' \
   '~.*records\.sdf: 3 molecules or shapes: the largest is taken, CHN with charge 0; left out: CH4, H2O.*' -- \
-  hapgrid molecule records.sdf -o cyanide --method gfnff --spacing 1.2
-same "state" 6 "$(stats cyanide/cyanide.grid --get state.size 2>/dev/null || stats cyanide/cyanide.grid --get state_size)"
+  hapgrid molecule records.sdf -o cyanide --method gfnff --spacing 1.2 --until definition
+same "state" 6 "$(seed cyanide/cyanide.toml | stats --get state_size)"
 
 # What has no barrier is told with the reason, on the terminal, in rotors.tsv and on the page.
 hapgrid molecule --smiles OO -o peroxide --method gfnff --spacing 1.5 --highest 2 >line 2>log || fail "$(cat log)"
@@ -121,11 +121,11 @@ grep -qP '<dt>Formula<dd>H<sub>2</sub>O<sub>2</sub><dt>Charge<dd>0<dt>Spin<dd>si
 
 # Dichloroethane's gauche lies 0.6 kJ/mol below anti by GFN-FF. The search goes on there, or stays in anti.
 anti=$HAPGRID_SOURCE/examples/molecule/dichloroethane/conformation.xyz
-shapes=("$anti" --method gfnff --spacing 1.5 --torsions Cl1-C2-C3-Cl4-plus)
-expect 0 '~hapgrid play .*' '~.*Cl1-C2-C3-Cl4-plus leads to a minimum that is 0\.6 kJ/mol lower: from there once more.*' -- \
+shapes=("$anti" --method gfnff --torsions Cl1-C2-C3-Cl4-plus --until structures)
+expect 0 '' '~.*Cl1-C2-C3-Cl4-plus leads to a minimum that is 0\.6 kJ/mol lower: from there once more.*' -- \
   hapgrid molecule "${shapes[@]}" -o gauche
 within "gauche" "$(word gauche/conformation.xyz 1 Cl1-C2-C3-Cl4 | tr -d -)" 60 80
-expect 0 '~hapgrid play .*' '~.*Cl1-C2-C3-Cl4-plus leads to a minimum that is 0\.6 kJ/mol lower.*' -- \
+expect 0 '' '~.*Cl1-C2-C3-Cl4-plus leads to a minimum that is 0\.6 kJ/mol lower.*' -- \
   hapgrid molecule "${shapes[@]}" --keep-conformation -o anti
 within "anti" "$(word anti/conformation.xyz 1 Cl1-C2-C3-Cl4)" 180 180
 
@@ -154,8 +154,8 @@ same "paths" H3-O1-O2-H4-minus "$(awk -F'\t' '$2 == "saddle" { print $1 }' onewa
 mkdir turned
 awk 'NR > 2 { print $1, $3, $4, $2; next } 1' ethanol/conformation.xyz >turned/conformation.xyz
 cp turned/conformation.xyz before.xyz
-expect 0 '~hapgrid play .*' '' -- \
-  hapgrid molecule --smiles CCO -o turned --method gfnff --spacing 1.5 --torsions C1-C2-O3-H9-plus --quiet
+expect 0 '' '' -- \
+  hapgrid molecule --smiles CCO -o turned --method gfnff --torsions C1-C2-O3-H9-plus --until structures --quiet
 paste <(tail -n +3 before.xyz) <(tail -n +3 turned/conformation.xyz) |
   awk '{ for (i = 2; i < 5; i++) if (($i - $(i + 4)) ^ 2 > 1e-6) exit bad = 1 } END { exit bad || NR != 9 }' ||
   fail "the new structures lie otherwise: $(cat before.xyz turned/conformation.xyz)"

@@ -62,19 +62,22 @@ intact "a link"
 for form in '{"x": "no", "hessian": [[1, 2]]}' '{"key": 7, "made": ["a"], "value": {"sides": 3}}'; do
   stranger
   for file in bad/.work/*.json; do echo "$form" >"$file"; done
-  feel bad >/dev/null 2>said || fail "$form: $(cat said)"
+  feel bad --until definition >/dev/null 2>said || fail "$form: $(cat said)"
   cmp renamed/conformation.xyz bad/conformation.xyz || fail "$form: another conformation"
 done
-for file in report.tsv rotors.tsv conformation.xyz; do
-  for text in '' '\xff\n' 'name\n\t\tsaddle\n' '3\n\nH 0 0 1\nQq 0 0 0\nN 0 0 -1\n' '3\n\nH 0 0\n'; do
-    stranger
-    printf %b "$text" >"bad/$file"
-    rm -f bad/index.html  # it reads report.tsv
-    code=0
-    feel bad >/dev/null 2>said || code=$?
-    ((code < 2)) && (($(wc -l <said) == code)) || fail "$file with '$text': $code $(cat said)"
-  done
+damaged() { # FILE TEXT
+  stranger
+  printf %b "$2" >"bad/$1"
+  rm -f bad/index.html  # it reads report.tsv
+  code=0
+  feel bad >/dev/null 2>said || code=$?
+  ((code < 2)) && (($(wc -l <said) == code)) || fail "$1 with '$2': $code $(cat said)"
+}
+for text in '' '\xff\n'; do
+  for file in report.tsv rotors.tsv conformation.xyz; do damaged $file "$text"; done
 done
+for file in report.tsv rotors.tsv; do damaged $file 'name\n\t\tsaddle\n'; done
+for text in '3\n\nH 0 0 1\nQq 0 0 0\nN 0 0 -1\n' '3\n\nH 0 0\n'; do damaged conformation.xyz "$text"; done
 
 # What a killed command leaves is removed by the next one.
 mkdir renamed/.work/.single-x

@@ -123,7 +123,7 @@ def hostile():
     confined.CPU_SECONDS = 120
     chance = random.Random(1)
     outcomes = {"read": 0, "refused": 0}
-    for n in range(120):
+    for n in range(len(INPUTS)):
         name = INPUTS[n % len(INPUTS)]
         content = bytearray(open(f"{HERE}/inputs/{name}", "rb").read())
         for _ in range(chance.randrange(1, 6)):

@@ -19,7 +19,7 @@ PYTHON
 
 hapgrid init cluster --lang ase >/dev/null
 (($(wc -l <cluster/cluster.py) <= 90)) || fail 'the model is long'
-expect 0 '~.*' '~check-model: fine: [0-9]+ checks' -- check-model cluster/cluster.toml --allow-process --steps 12
+expect 0 '~.*' '~check-model: fine: [0-9]+ checks' -- check-model cluster/cluster.toml --allow-process --steps 6
 
 # As an owner makes it: the optimiser of ASE, and its usual fmax.
 cat >cluster/loose.py <<'PYTHON'

@@ -110,7 +110,6 @@ before=$(stat -c %Y.%i map/map.grid)
 hapgrid table host.OA.map -o map --spacing 0.31 2>said >line
 same 'the same grid' "$before" "$(stat -c %Y.%i map/map.grid)"
 grep -q 'map.toml was changed by hand: it is kept' said || fail "$(cat said)"
-hapgrid table host.e.map -o again --quiet >line
-sed -i 's/^largest_force = 3 /largest_force = 2 /' again/again.toml
-hapgrid table host.e.map -o again >line 2>said
-same 'largest_force' 2.0 "$(stats again/again.grid --get parameters.largest_force)"
+sed -i 's/^largest_force = 3 /largest_force = 2 /' map/map.toml
+hapgrid table host.OA.map -o map --spacing 0.31 2>said >line
+same 'largest_force' 2.0 "$(stats map/map.grid --get parameters.largest_force)"
