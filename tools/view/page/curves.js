@@ -64,7 +64,7 @@ function strokeCurve(c, places, colour) {
 function drawPlot(c, { left, right, top, bottom }, list, at, lines, fromZero) {
   const real = lines.flatMap(([value]) => list.map(value)).filter(Number.isFinite);
   const [low, high] = extent(real, fromZero);
-  const y = (v) => bottom - 1 - (bottom - top - 2) * (v - low) / (high - low);
+  const y = (v) => (Number.isFinite(v) ? bottom - 1 - (bottom - top - 2) * (v - low) / (high - low) : NaN);
   c.fillStyle = "#fff";
   c.fillRect(left, top, right - left, bottom - top);
   c.fillStyle = data.ink;

@@ -16,8 +16,8 @@
 
 namespace hapgrid {
 
-extern const char *const kPageHead,
-    *const kPageScript;  // page.html and the scripts, by embed.cmake
+// page.html and the scripts; embed.cmake makes them.
+extern const char *const kPageHead, *const kPageScript;
 
 using Json = nlohmann::ordered_json;
 
