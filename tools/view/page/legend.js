@@ -62,7 +62,7 @@ function nameTurned(c, width, height, frame, place, unit) {
     y = Math.max(y, Math.min(at[1], height - name_row * leftOver--));
     const from = [left - margin / 2, y], part = Math.max(0, (from[0] - beside) / (from[0] - at[0]));
     strokeLines(c, [[from, from.map((x, i) => x + part * (at[i] - x))]], data.ink, data.legend.line);
-    for (const [wider, colour] of [[1, "#fff"], [0, data.ink]]) strokeLines(c, [[at, at]], colour, 2 * (data.legend.dot + wider));
+    for (const [wider, colour] of [[1, "#fff"], [0, data.ink]]) strokeLines(c, [[at, [at[0] + 0.01, at[1]]]], colour, 2 * (data.legend.dot + wider));
     c.fillText(text, left, y);
     y += name_row;
   }
