@@ -123,29 +123,8 @@ void show_grid(const Options& options) {
 int run(const Options& options) {
   check_options(options);
   announce_terminal(options.log.empty() ? options.grid : options.log);
-  if (options.log.empty())
-    show_grid(options);
-  else
-    show_log(options);
+  options.log.empty() ? show_grid(options) : show_log(options);
   return kExitDone;
-}
-
-void add_grid_options(CommandLine& app, Options& options) {
-  app.group("A grid");
-  app.add("--cost", options.costs,
-          "File that expand --cost or merge --cost wrote. It can be given several times: costs are "
-          "added.")
-      .type("FILE")
-      .repeatable();
-  app.add("--get", options.get,
-          "Key of the JSON report whose value alone is printed, as in --get box.spacing.")
-      .type("KEY");
-}
-
-void add_log_options(CommandLine& app, Options& options) {
-  app.group("A log of play, instead of a grid");
-  app.add("--log", options.log, "Session that play --log wrote ('-': standard input).")
-      .type("FILE");
 }
 
 }  // namespace
@@ -156,8 +135,18 @@ int main(int argc, char** argv) {
       "--log it tells what happened in a play.");
   Options options;
   add_grid(app, options.grid);
-  add_grid_options(app, options);
-  add_log_options(app, options);
+  app.group("A grid");
+  app.add("--cost", options.costs,
+          "File that expand --cost or merge --cost wrote. It can be given several times: costs are "
+          "added.")
+      .type("FILE")
+      .repeatable();
+  app.add("--get", options.get,
+          "Key of the JSON report whose value alone is printed, as in --get box.spacing.")
+      .type("KEY");
+  app.group("A log of play, instead of a grid");
+  app.add("--log", options.log, "Session that play --log wrote ('-': standard input).")
+      .type("FILE");
   app.group("Output");
   app.add("--format", options.format, "Format of the report.")
       .one_of({"text", "json"})

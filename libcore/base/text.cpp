@@ -86,6 +86,15 @@ std::string unit_sign(std::string_view unit) {
   return unit == "angstrom" ? "Å" : printable_line(unit, 24);
 }
 
+std::string counted_unit(std::string_view unit, double number) {
+  std::string sign = unit_sign(unit);
+  const std::size_t size = sign.size(), word = size - (sign.rfind(' ') + 1);
+  if (number != 1 || word < 4 || !sign.ends_with('s')) return sign;
+  for (const char before : {'s', 'u', 'i'})  // glass, radius, axis
+    if (sign[size - 2] == before) return sign;
+  return sign.substr(0, size - (sign.ends_with("ches") ? 2 : 1));
+}
+
 std::string axis_label(std::string_view quantity, std::string_view unit) {
   const std::string sign = unit_sign(unit);
   const bool is_quotient = sign.find('/') != sign.npos;

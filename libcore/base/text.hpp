@@ -30,6 +30,9 @@ std::string printable_line(std::string_view text, std::size_t limit = 200);
 /// A unit as pictures and plots show it: "Å" for angstrom; any other as it is, in a printable line.
 std::string unit_sign(std::string_view unit);
 
+/// The same behind a number: "rope length" behind 1, where the model says "rope lengths".
+std::string counted_unit(std::string_view unit, double number);
+
 /// What stands at the axis of a plot: "energy / (kJ/mol)", "x / Å".
 std::string axis_label(std::string_view quantity, std::string_view unit);
 

@@ -30,7 +30,7 @@ void add_line(Drawing& drawing, const Vec3& from, const Vec3& to, const RenderOp
 }  // namespace
 
 std::string length_text(const Scene& scene, double length) {
-  return rounded(length) + " " + unit_sign(scene.length_unit);
+  return rounded(length) + " " + counted_unit(scene.length_unit, length);
 }
 
 double names_width(const Scene& scene) {
@@ -82,7 +82,11 @@ void add_names(Drawing& drawing, std::vector<std::pair<Vec3, std::string>> names
     const double left = std::min(beside + 2 * scale * kMargin, most);
     const double rest = scale * kNameRow * left_over--;
     y = std::max(y, std::min(at[1] / rays, options.height - rest));
-    add_line(drawing, {left - 0.5 * scale * kMargin, y, 0}, (1 / rays) * at, options);
+    const Vec3 from{left - 0.5 * scale * kMargin, y, 0};
+    const Vec3 way = (1 / rays) * at - from;
+    add_line(drawing, from, from + std::max(0.0, (beside - from[0]) / way[0]) * way, options);
+    for (const auto& [radius, colour] : {std::pair(kDot + 1, kBackground), {kDot, kInk}})
+      drawing.overlay.push_back({at, at, radius * scale * rays, colour});
     drawing.labels.push_back({text, {left, y}});
     y += scale * kNameRow;
   }

@@ -19,6 +19,7 @@ inline constexpr double kAxesAbove = 40;      ///< from the lower edge, alike
 inline constexpr double kAxisGap = 9;         ///< from an axis's end to the middle of its name
 inline constexpr double kShortestAxis = 0.3;  ///< part of an axis's length that is seen at least
 inline constexpr double kLegendLine = 1.2;    ///< the width of all its lines
+inline constexpr double kDot = 2.5;           ///< the radius of the dot at a torsion's bond
 inline constexpr double kBarEnd = 3;        ///< of the strokes at the scale bar's ends, up and down
 inline constexpr double kBarGap = 5;        ///< from the bar to its text
 inline constexpr double kBarPart = 0.25;    ///< of the picture's width, for the scale bar at most
@@ -38,8 +39,8 @@ void add_legend(Drawing& drawing, const Scene& scene, const Camera& camera,
                 const RenderOptions& options);
 
 /// Draws the texts in a column to the right of the rightmost sphere, so that they cover none, each
-/// at the height of its place in the drawing, or below the one before or above the rest, with a
-/// line to that place.
+/// at the height of its place in the drawing, or below the one before or above the rest. A dot
+/// marks the place; a line goes towards it, and ends before it crosses a sphere.
 void add_names(Drawing& drawing, std::vector<std::pair<Vec3, std::string>> names,
                const RenderOptions& options);
 

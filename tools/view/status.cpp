@@ -16,7 +16,7 @@ std::string status_text(const Scene& scene, const Frame& frame) {
              three_digits(length_of(frame.force)));
   if (std::isfinite(frame.energy)) {
     text += "   energy " + three_digits(frame.energy);
-    if (!scene.energy_unit.empty()) text += " " + printable_line(scene.energy_unit);
+    if (!scene.energy_unit.empty()) text += " " + counted_unit(scene.energy_unit, frame.energy);
   }
   if (std::isfinite(frame.own_energy)) text += "   model alone " + three_digits(frame.own_energy);
   std::size_t farthest = frame.turned.size();

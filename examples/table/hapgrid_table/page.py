@@ -10,8 +10,8 @@ import numpy as np
 from hapgrid_command import plots
 
 STYLE = """body { font: 16px/1.5 sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em; color: #222 }
-table { border-collapse: collapse } td, th { padding: 0.2em 0.8em; border-bottom: 1px solid #ccc; text-align: left }
-img { max-width: 100% } iframe { width: 100%; height: 34em; border: 1px solid #ccc } code { background: #eee }"""
+table { border-collapse: collapse } td, th { padding: 0.2em 0.8em; border-bottom: 1px solid #8c8c8c; text-align: left }
+img { max-width: 100% } iframe { width: 100%; height: 34em; border: 1px solid #8c8c8c } code { background: #eee }"""
 
 
 class Values:
@@ -91,7 +91,6 @@ def slices(work, values):
             edges = [(begin[n] - steps[n] / 2, begin[n] + (plane.shape[k] - 0.5) * steps[n]) for k, n in enumerate((a, b))]
             image = axes.imshow(plane.T, origin="lower", extent=(*edges[0], *edges[1]), aspect="equal", cmap="viridis",
                                 vmin=values.energy.min(), vmax=values.energy.max())
-            axes.grid(False)
             axes.set(xlabel=style.label("xyz"[a], values.length_unit), ylabel=style.label("xyz"[b], values.length_unit))
             place = style.place(begin[across] + at[across] * steps[across], steps[across])
             axes.set_title(style.plain(f"{'xyz'[across]} = {place} {style.sign(values.length_unit)}".rstrip()))

@@ -43,3 +43,5 @@ cmp levels.png module.png
 same 'a PDF' '%PDF' "$(head -c 4 loop.pdf)"
 same 'a PNG' PNG "$(head -c 4 loop.png | tail -c 3)"
 $python3 "$here/look.py"
+view a.frames --html a.html
+$python3 "$here/contrast.py" a.html ./*.svg

@@ -67,3 +67,9 @@ for picture in --dump-dom --screenshot=bare.png; do
   same "status" "~t $last s   force .*   snaps $snaps of $snaps" "$(sed -nE 's/.*<div id="status">([^<]*)<.*/\1/p' dom)"
 done
 /usr/bin/python3 "$here/png.py" order bare.png teal
+# The live page does not grow in ten minutes. A browser sometimes hangs on a busy machine.
+ten_minutes() {
+  : >err
+  /usr/bin/python3 "$here/minutes.py" x.html 2>err || fail "$(cat err)"
+}
+in_time err ten_minutes

@@ -68,3 +68,13 @@ TEST_CASE("JSON that nests too deep is known before it is parsed") {
   CHECK(nests_too_deep(R"("\\")" + nested(100) + '"'));
   CHECK_FALSE(nests_too_deep("\"\\"));
 }
+
+TEST_CASE("a unit behind a number is in the singular behind 1") {
+  CHECK(counted_unit("rope lengths", 1) == "rope length");
+  CHECK(counted_unit("N rope lengths", 1) == "N rope length");
+  CHECK(counted_unit("rope lengths", 2) == "rope lengths");
+  CHECK(counted_unit("inches", 1) == "inch");
+  for (const char* const same : {"", "s", "mm", "kJ/mol", "ball radius", "N/axis", "glass"})
+    CHECK(counted_unit(same, 1) == same);
+  CHECK(counted_unit("angstrom", 1) == "Å");
+}

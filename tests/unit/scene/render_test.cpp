@@ -253,7 +253,9 @@ TEST_CASE("balls and sticks") {
   CHECK(find_bonds(stage.scene, stage.frame).empty());
 }
 
-TEST_CASE("a torsion that has turned is named beside the model, with a line to its bond") {
+TEST_CASE(
+    "a torsion that has turned is named beside the model, with a line towards the dot at its "
+    "bond") {
   Stage stage;
   stage.scene.box = {{-0.5, -0.5, -0.5}, 0.5, {3, 3, 3}};
   for (const float x : {-1.0F, 0.4F, 0.6F, 1.0F}) stage.add(x, 0, 0.5F, 0.4F, {0, 1, 0});
@@ -279,8 +281,17 @@ TEST_CASE("a torsion that has turned is named beside the model, with a line to i
       CHECK(all.labels[phi].text == "phi −11°");
       CHECK(all.labels[1 - phi].text == "omega −180°");
       const Vec3 middle = 0.5 * (all.balls[1].centre + all.balls[2].centre);
-      const Vec3 off = all.overlay[phi].to - middle;
-      CHECK(std::hypot(off[0], off[1]) < 1e-9);
+      const Line &line = all.overlay[3 * phi], &rim = all.overlay[3 * phi + 1],
+                 &dot = all.overlay[3 * phi + 2];
+      for (const Vec3& at : {rim.from, rim.to, dot.from, dot.to})
+        CHECK(std::hypot(at[0] - middle[0], at[1] - middle[1]) < 1e-9);
+      CHECK((rim.colour == kBackground && rim.half_width > dot.half_width && dot.colour == kInk));
+      // The line goes towards the dot, and crosses no ball: both ends are to the right of them all.
+      const Vec3 way = line.to - line.from, rest = middle - line.from;
+      CHECK(std::abs(way[0] * rest[1] - way[1] * rest[0]) < 1e-6);
+      CHECK((way[0] < -1 && way[0] > rest[0]));
+      for (const Ball& ball : all.balls)
+        CHECK(std::min(line.from[0], line.to[0]) > ball.centre[0] + ball.radius - 1e-6);
       for (const std::size_t i : {0, 1}) {
         const auto& [text, left] = all.labels[i];
         const double right = left[0] + letters_width(text);

@@ -56,7 +56,6 @@ def slice(grid: str | os.PathLike, plane: str | None = None):
         colours = _level_colours(module, most)
         axes.imshow(levels, origin="lower", extent=(low[0], high[0], low[1], high[1]), aspect="equal", vmin=-0.5, vmax=most + 0.5,
                     cmap=module.colors.ListedColormap(["white", *colours]))
-        axes.grid(False)
         unit = known["length_unit"]
         axes.set(xlabel=label(AXES[u], unit), ylabel=label(AXES[v], unit), title=plain(f"{known['model']}, levels at {AXES[axis]} = {at} {sign(unit)}".rstrip()))
         _levels_legend(drawn, axes, levels, colours)
@@ -334,7 +333,6 @@ def _strip(axes, t, rows):
     axes.set(ylim=(len(rows) - 0.4, -0.6), yticks=range(len(rows)))
     axes.set_yticklabels([plain(name) for name, _ in rows])
     axes.tick_params(axis="y", length=0)
-    axes.grid(False, axis="y")
 
 
 def error(grids, *, walks: int = 100, options=()):

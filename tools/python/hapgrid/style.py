@@ -28,7 +28,7 @@ STYLE = {
     "axes.spines.top": False, "axes.spines.right": False, "axes.linewidth": 0.8, "axes.axisbelow": True,
     "axes.edgecolor": "#444444", "axes.labelcolor": TEXT, "text.color": TEXT, "xtick.color": "#444444",
     "ytick.color": "#444444", "xtick.labelcolor": TEXT, "ytick.labelcolor": TEXT, "axes.titlelocation": "left",
-    "axes.grid": True, "grid.color": "#e6e6e6", "grid.linewidth": 0.6, "lines.linewidth": 1.5, "lines.markersize": 4.5,
+    "lines.linewidth": 1.5, "lines.markersize": 4.5,
     "lines.solid_capstyle": "round", "legend.frameon": False, "legend.handlelength": 1.8, "legend.borderaxespad": 0,
     "axes.formatter.useoffset": False, "axes.formatter.use_mathtext": True, "axes.formatter.limits": (-4, 5),
     "axes.unicode_minus": True, "svg.fonttype": "none", "svg.hashsalt": "hapgrid", "pdf.fonttype": 42,

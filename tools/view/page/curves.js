@@ -38,11 +38,33 @@ function drawNames(c, x, y, names) {
   }
 }
 
+/// A cubic through the places that never goes beyond two neighbours (Steffen, Astron. Astrophys. 239, 1990), broken where a
+/// place is not finite, and straight where the model snapped.
+function strokeCurve(c, places, colour) {
+  const rise = (k) => (k > 0 && k < places.length && !places[k][2] ? (places[k][1] - places[k - 1][1]) / (places[k][0] - places[k - 1][0]) : NaN);
+  const slope = (k) => {
+    const [a, b] = [rise(k), rise(k + 1)];
+    if (!Number.isFinite(a + b)) return Number.isFinite(a) ? a : b;
+    const before = places[k][0] - places[k - 1][0], after = places[k + 1][0] - places[k][0];
+    return (Math.sign(a) + Math.sign(b)) * Math.min(Math.abs(a), Math.abs(b), Math.abs(a * after + b * before) / (before + after) / 2);
+  };
+  Object.assign(c, { strokeStyle: colour, lineWidth: 1.5, lineJoin: "round" });
+  c.beginPath();
+  places.forEach(([x, y, snapped], k) => {
+    if (!Number.isFinite(y)) return;
+    const [left, above] = places[k - 1] ?? [];
+    if (!Number.isFinite(above)) c.moveTo(x, y);
+    else if (snapped || x === left) c.lineTo(x, y);
+    else c.bezierCurveTo(left + (x - left) / 3, above + slope(k - 1) * (x - left) / 3, x - (x - left) / 3, y - slope(k) * (x - left) / 3, x, y);
+  });
+  c.stroke();
+}
+
 /// @param lines of each its value in a frame, and its colour
 function drawPlot(c, { left, right, top, bottom }, list, at, lines, fromZero) {
   const real = lines.flatMap(([value]) => list.map(value)).filter(Number.isFinite);
   const [low, high] = extent(real, fromZero);
-  const y = (v) => bottom - 1 - (bottom - top - 2) * (v - low) / (high - low);
+  const y = (v) => (Number.isFinite(v) ? bottom - 1 - (bottom - top - 2) * (v - low) / (high - low) : NaN);
   c.fillStyle = "#fff";
   c.fillRect(left, top, right - left, bottom - top);
   c.fillStyle = data.ink;
@@ -54,16 +76,8 @@ function drawPlot(c, { left, right, top, bottom }, list, at, lines, fromZero) {
   c.textAlign = "left";
   strokeLines(c, [[[left, top], [left, bottom], [right, bottom]]], data.ink, 1);
   strokeLines(c, list.filter((frame) => frame.snapped).map(({ time }) => [[at(time), top], [at(time), bottom]]), data.snap_colour, 1);
-  c.lineJoin = "round";
-  for (const [value, colour] of lines) {
-    const pieces = [[]];
-    for (const frame of list) {
-      const v = value(frame);
-      if (Number.isFinite(v)) pieces[pieces.length - 1].push([at(frame.time), y(v)]);
-      else if (pieces[pieces.length - 1].length > 0) pieces.push([]);
-    }
-    strokeLines(c, pieces.filter((piece) => piece.length > 0), colour, 1.5);
-  }
+  for (const [value, colour] of lines)
+    strokeCurve(c, list.map((frame) => [at(frame.time), y(value(frame)), frame.snapped]), colour);
   const now = at(frames[shown].time);
   strokeLines(c, [[[now, top], [now, bottom]]], data.ink, 1);
 }

@@ -1,5 +1,5 @@
 # Writes a C++ source that holds the parts of view's page: cmake -D OUT=... -D HERE=... -D SCRIPTS=a.js;b.js -P embed.cmake
-set(text "#pragma GCC diagnostic ignored \"-Woverlength-strings\"\n#include \"tools/view/page/parts.hpp\"\nnamespace hapgrid {\n")
+set(text "#pragma GCC diagnostic ignored \"-Woverlength-strings\"\nnamespace hapgrid {\nextern const char *const kPageHead, *const kPageScript;\n")
 foreach(part IN ITEMS kPageHead kPageScript)
   set(files page.html)
   if(part STREQUAL kPageScript)

@@ -12,7 +12,7 @@ function context(canvas, width, height) {
   c.clearRect(0, 0, ...size);
   c.setTransform(scale, 0, 0, scale, 0, 0);
   c.font = "11px system-ui, sans-serif";
-  c.textBaseline = "middle";
+  Object.assign(c, { textBaseline: "middle", lineCap: "round" });
   return [c, width / unit, height / unit];
 }
 
@@ -51,7 +51,7 @@ function drawScaleBar(c, width, height, unit) {
 }
 
 /// In a column to the right of the rightmost sphere, so that they cover none, each at the height of its bond's middle or
-/// below the one before, with a line to there.
+/// below the one before. A dot marks the bond; the line towards it ends before it crosses a sphere.
 function nameTurned(c, width, height, frame, place, unit) {
   const { margin, name_row } = data.legend;
   const beside = data.spheres.reduce((most, _, k) => Math.max(most, place(sphere(frame, k))[0] + drawnRadius(k) / unit), 0);
@@ -60,7 +60,9 @@ function nameTurned(c, width, height, frame, place, unit) {
   for (const [at, text] of frame.turned.map(([a, b, text]) => [middle(a, b), text]).sort((one, other) => one[0][1] - other[0][1])) {
     const left = Math.min(beside + 2 * margin, width - margin - c.measureText(text).width);
     y = Math.max(y, Math.min(at[1], height - name_row * leftOver--));
-    strokeLines(c, [[[left - margin / 2, y], at]], data.ink, data.legend.line);
+    const from = [left - margin / 2, y], part = Math.max(0, (from[0] - beside) / (from[0] - at[0]));
+    strokeLines(c, [[from, from.map((x, i) => x + part * (at[i] - x))]], data.ink, data.legend.line);
+    for (const [wider, colour] of [[1, "#fff"], [0, data.ink]]) strokeLines(c, [[at, [at[0] + 0.01, at[1]]]], colour, 2 * (data.legend.dot + wider));
     c.fillText(text, left, y);
     y += name_row;
   }

@@ -12,10 +12,12 @@
 #include "libcore/scene/light.hpp"
 #include "libcore/scene/torsion.hpp"
 #include "tools/view/hand.hpp"
-#include "tools/view/page/parts.hpp"
 #include "tools/view/status.hpp"
 
 namespace hapgrid {
+
+// page.html and the scripts; embed.cmake makes them.
+extern const char *const kPageHead, *const kPageScript;
 
 using Json = nlohmann::ordered_json;
 
@@ -97,6 +99,7 @@ Json page_scene(const Scene& scene, const Frame& frame, const RenderOptions& opt
         {"axis_gap", kAxisGap},
         {"shortest_axis", kShortestAxis},
         {"line", kLegendLine},
+        {"dot", kDot},
         {"bar_end", kBarEnd},
         {"bar_gap", kBarGap},
         {"bar_part", kBarPart},
