@@ -55,7 +55,7 @@ class Start:
     def points(self):
         """The SinglePoints of --single-points, or None."""
         command = self.options.single_points
-        return command and singles.SinglePoints(command, self.molecule, self.folder.kept)
+        return None if command is None else singles.SinglePoints(command, self.molecule, self.folder.kept)
 
     def turned_by(self, paths):
         return [t for t in self.turning if {t.name, *t.file_names()} & set(paths)]
