@@ -272,9 +272,6 @@ def _from_babel(openbabel, ob):
         if from_.GetExplicitDegree() > 0 or from_.GetAtomicNum() not in ION_CHARGES:
             atom.SetNumExplicitHs(from_.GetImplicitHCount())
     for atom in mol.GetAtoms():
-        double = [b for b in atom.GetBonds() if b.GetBondTypeAsDouble() == 2]
-        if atom.GetAtomicNum() == 7 and len(double) == 2 and all(n.GetDegree() > 1 for n in atom.GetNeighbors()):
-            double[1].SetBondType(Chem.BondType.SINGLE)  # a triazine's nitrogen; pair_up() gives the carbon another one
         if atom.GetDegree() == 0 and atom.GetTotalNumHs() == 0 and atom.GetFormalCharge() == 0:
             atom.SetFormalCharge(ION_CHARGES.get(atom.GetAtomicNum(), 0))
     return placed(mol, [(a.GetX(), a.GetY(), a.GetZ()) for a in atoms])
