@@ -23,7 +23,7 @@ METALS = {3, 4, 11, 12, 13, *range(19, 32), *range(37, 51), *range(55, 85), *ran
 MOST_PIECES = 8  # of a record in which no piece is half of it: more are no molecules, but noise
 TRIPLE = 0.85  # of that sum: a carbon whose only bond is longer has no triple bond
 STRAIGHT = np.radians(150)
-CHARGED = Chem.MolFromSmarts("[C+,C-]")
+CHARGED, CARBON_HYDROGEN = map(Chem.MolFromSmarts, ("[C+,C-]", "[#1]~[#6]"))
 NAMED = 4
 
 
@@ -238,10 +238,6 @@ def _refuse_without_hydrogen(mol, what):
                            "an ion needs --charge, a radical --uhf")
 
 
-def _hydrogens_of_carbons(mol):
-    return len(mol.GetSubstructMatches(Chem.MolFromSmarts("[#1]~[#6]"), maxMatches=10000))
-
-
 def _add_no_hydrogen_to_the_whole(mol, given, charge, unpaired):
     """The molecule with the numbers of hydrogens that are to be added. Where most carbons have their hydrogens the file has
     all that there are, and other bonds or charges are looked for. Where these only fit an ion whose charges are on nitrogen,
@@ -250,7 +246,7 @@ def _add_no_hydrogen_to_the_whole(mol, given, charge, unpaired):
         atom.SetNumExplicitHs(atom.GetTotalNumHs())
         atom.SetNoImplicit(True)
     lack = {a.GetIdx(): a.GetNumExplicitHs() for a in mol.GetAtoms() if a.GetNumExplicitHs()}
-    if _hydrogens_of_carbons(mol) < len(lack):
+    if len(mol.GetSubstructMatches(CARBON_HYDROGEN, maxMatches=10000)) < len(lack):
         return mol if given.kind == "sdf" else _with_short_bonds(mol)
     bare = Chem.Mol(mol)
     for n in lack:

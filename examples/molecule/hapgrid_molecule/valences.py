@@ -32,16 +32,12 @@ SECONDS = 20
 NAMED = 6
 
 
-def order_of(atom):
-    return int(sum(b.GetBondTypeAsDouble() for b in atom.GetBonds())) + atom.GetTotalNumHs()
-
-
 def _states(atom, radicals):
     """[(sum of bond orders, charge, unpaired electrons, cost)] that an atom can have; the one that it has, where nothing is
     known of its element. A charge that the file gives stays."""
     z, given = atom.GetAtomicNum(), atom.GetFormalCharge()
     if z not in VALENCES:
-        return [(order_of(atom), given, 0, 0.0)]
+        return [(int(sum(b.GetBondTypeAsDouble() for b in atom.GetBonds())) + atom.GetTotalNumHs(), given, 0, 0.0)]
     out = [(v, charge, 0, abs(charge) * ON.get((z, charge), 1.0) + (FIVE if (z, v) == (7, 5) else HIGHER * n))
            for charge, valences in VALENCES[z].items() for n, v in enumerate(valences) if given in (0, charge)]
     if radicals:
