@@ -1,7 +1,7 @@
 """The texts of molecules' files, as records of one molecule or several pieces each.
 
-RDKit reads MDL's formats (SDF, MOL) and SMILES, Open Babel, which finds bonds from distances, the others. What both misread
-is put right in the text before: symbols in capitals, alternate locations, lone pairs, headers, units.
+RDKit reads MDL's formats (SDF, MOL) and SMILES, Open Babel PDB and MOL2, and xyz.py XYZ. What they misread is put right in the
+text before: symbols in capitals, alternate locations, lone pairs, headers, units.
 """
 
 import re

@@ -191,7 +191,7 @@ def _completed(given, record, charge, unpaired):
     if given.kind != "smi" or charge is not None:
         Chem.SanitizeMol(mol, Chem.SANITIZE_KEKULIZE, catchErrors=True)
         mol = valences.closed(mol, what, charge, unpaired, not record.known and _size(mol) == mol.GetNumAtoms())
-    mol = building.understood(mol, what, charge is not None or unpaired is not None)
+    mol = building.understood(mol, what, not record.known or charge is not None or unpaired is not None)
     nowhere = np.ptp(x, axis=0).max() < 0.1 and len(x) > 1
     added = _size(mol) - mol.GetNumAtoms()
     _check_count(_size(mol), what)

@@ -32,12 +32,16 @@ SECONDS = 20
 NAMED = 6
 
 
+def _order(atom):
+    return int(sum(b.GetBondTypeAsDouble() for b in atom.GetBonds())) + atom.GetTotalNumHs()
+
+
 def _states(atom, radicals):
     """[(sum of bond orders, charge, unpaired electrons, cost)] that an atom can have; the one that it has, where nothing is
     known of its element. A charge that the file gives stays."""
     z, given = atom.GetAtomicNum(), atom.GetFormalCharge()
     if z not in VALENCES:
-        return [(int(sum(b.GetBondTypeAsDouble() for b in atom.GetBonds())) + atom.GetTotalNumHs(), given, 0, 0.0)]
+        return [(_order(atom), given, 0, 0.0)]
     out = [(v, charge, 0, abs(charge) * ON.get((z, charge), 1.0) + (FIVE if (z, v) == (7, 5) else HIGHER * n))
            for charge, valences in VALENCES[z].items() for n, v in enumerate(valences) if given in (0, charge)]
     if radicals:
@@ -105,8 +109,9 @@ def closed(mol, what, charge, unpaired, free):
         return one or mol
     best, cost = assigned(mol, None, unpaired or 0, free)
     if best is None:
-        raise BadInput(f"{what}: its atoms have valences that fit no charge: does it lack atoms? To compute it as it is, give "
-                       "--charge and --uhf")
+        full = next((a for a in mol.GetAtoms() if _order(a) > max(v for v, *_ in _states(a, False))), None)
+        why = "no orders of its bonds fit its valences" if full is None else f"{named(mol, [full.GetIdx()])} has {_order(full)} bonds"
+        raise BadInput(f"{what}: {why}: correct its atoms or bonds, or give both --charge and --uhf to compute it as it is")
     fits = Chem.GetFormalCharge(best)
     if charge is not None:
         raise BadInput(f"{what}: its bonds fit --charge {signed(fits)}, and not {signed(charge)}: correct it, or give --uhf "

@@ -95,9 +95,11 @@ def groups():
                 assert f"{one.charge:+d}" in str(why), f"{smiles}: {why}"
         two = reading.read(path, None, one.charge or None)
         assert two.charge == one.charge and forms(one.rd) & forms(two.rd), f"{smiles}: {Chem.MolToSmiles(two.rd)}"
-    # Pentafluoride of iodine, whose shape RDKit cannot build, a square pyramid.
-    open(path, "w").write("6\n\nI 0 0 0\nF 0 0 1.84\nF 1.87 0 -0.2\nF -1.87 0 -0.2\nF 0 1.87 -0.2\nF 0 -1.87 -0.2\n")
-    assert reading.read(path, None).formula == "F5I", "IF5"
+    # Two whose shape RDKit cannot build, a square pyramid and a T.
+    for formula, rows in (("F5I", "6\n\nI 0 0 0\nF 0 0 1.84\nF 1.87 0 -0.2\nF -1.87 0 -0.2\nF 0 1.87 -0.2\nF 0 -1.87 -0.2\n"),
+                          ("ClF3", "4\n\nCl 0 0 0\nF 1.6 0 0\nF 0 1.7 0\nF 0 -1.7 0\n")):
+        open(path, "w").write(rows)
+        assert reading.read(path, None).formula == formula, formula
     for smiles, charge, why in (
             ("CC(=O)[O-]", 3, "its bonds fit --charge -1, and not +3"), ("C1CC1", 2, "its bonds fit --charge 0, and not +2"),
             ("c1cc[nH]c1", 1, "35 electrons with charge +1: a radical needs --uhf 1"), ("[H][H]", 2, "its bonds fit --charge 0")):
