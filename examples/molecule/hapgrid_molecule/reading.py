@@ -184,6 +184,7 @@ def _is_bulky(mol):
 def _completed(given, record, charge, unpaired):
     """(the molecule with all hydrogens and a shape, whether that was built)."""
     what, mol, x = given.what, record.mol, places_of(record.mol)
+    _check_count(_size(mol), what)
     if given.kind == "xyz" and unpaired is None and charge is None:
         _refuse_without_hydrogen(mol, what)
     if given.kind in ("pdb", "mol2") or given.kind == "sdf" and record.known and not is_flat(x):
@@ -194,7 +195,6 @@ def _completed(given, record, charge, unpaired):
     mol = building.understood(mol, what, not record.known or charge is not None or unpaired is not None)
     nowhere = np.ptp(x, axis=0).max() < 0.1 and len(x) > 1
     added = _size(mol) - mol.GetNumAtoms()
-    _check_count(_size(mol), what)
     if given.kind == "smi":
         free = {a.GetIdx(): a.GetNumRadicalElectrons() for a in mol.GetAtoms() if a.GetNumRadicalElectrons()}
         if unpaired is None and free and sum(free.values()) % 2 == 0:  # the number of electrons does not tell it

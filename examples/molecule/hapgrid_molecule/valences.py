@@ -19,7 +19,7 @@ VALENCES = {
     15: {0: (3, 5), 1: (4,), -1: (2, 6)}, 16: {0: (2, 4, 6), -1: (1,), 1: (3, 5)}, 17: {0: (1, 3, 5, 7), -1: (0,)},
     33: {0: (3, 5), 1: (4,), -1: (2, 6)}, 34: {0: (2, 4, 6), -1: (1,), 1: (3, 5)}, 35: {0: (1, 3, 5), -1: (0, 2), 1: (2,)},
     52: {0: (2, 4, 6), -1: (1,), 1: (3,)}, 53: {0: (1, 3, 5, 7), -1: (0, 2), 1: (2,)}}
-# What a charge costs; less where the element holds it easily.
+# What a charge costs where that is not 1: less where the element holds it easily, more on carbon.
 ON = {(6, -1): 2.5, (6, 1): 2.5, (7, -1): 1.2, (5, -1): 0.5, (15, 1): 0.8, (15, -1): 2.5, (16, 1): 0.8}
 HIGHER = 0.3  # each valence above the first one
 FIVE = 3.0  # nitrogen's, as many programs write a nitro group; RDKit writes it with charges
