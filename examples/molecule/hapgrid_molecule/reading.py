@@ -16,13 +16,9 @@ from .molecule import BadInput, Molecule, is_flat, numbers_of, places_of, signed
 
 MOST_ATOMS = 100
 LEAST_DISTANCE = 0.5  # angstrom
-# Of the sum of the covalent radii: carbon with a shorter bond has a double one (1.41 angstrom to carbon), and nitrogen
-# (1.33).
-SHORT = {6: 0.925, 7: 0.905}
 METALS = {3, 4, 11, 12, 13, *range(19, 32), *range(37, 51), *range(55, 85), *range(87, 104)}
 MOST_PIECES = 8  # of a record in which no piece is half of it: more are no molecules, but noise
-TRIPLE = 0.85  # of that sum: a carbon whose only bond is longer has no triple bond
-STRAIGHT = np.radians(150)
+TRIPLE = 0.85  # of the sum of the covalent radii: a carbon whose only bond is longer has no triple bond
 CHARGED, CARBON_HYDROGEN = map(Chem.MolFromSmarts, ("[C+,C-]", "[#1]~[#6]"))
 NAMED = 4
 
@@ -192,7 +188,7 @@ def _completed(given, record, charge, unpaired):
     if given.kind != "smi" or charge is not None:
         Chem.SanitizeMol(mol, Chem.SANITIZE_KEKULIZE, catchErrors=True)
         mol = valences.closed(mol, what, charge, unpaired, not record.known and _size(mol) == mol.GetNumAtoms())
-    mol = building.understood(mol, what, not record.known or charge is not None or unpaired is not None)
+    mol = building.understood(mol, what, given.kind == "xyz" or charge is not None or unpaired is not None)
     nowhere = np.ptp(x, axis=0).max() < 0.1 and len(x) > 1
     added = _size(mol) - mol.GetNumAtoms()
     if given.kind == "smi":
@@ -233,7 +229,7 @@ def _refuse_without_hydrogen(mol, what):
     for atom in mol.GetAtoms():
         at, near = atom.GetIdx(), [n.GetIdx() for n in atom.GetNeighbors()]
         if atom.GetAtomicNum() == 6 and (len(near) == 1 and share[at, near[0]] > TRIPLE or
-                                         len(near) == 2 and geometry.angle(x, near[0], at, near[1]) < STRAIGHT):
+                                         len(near) == 2 and geometry.angle(x, near[0], at, near[1]) < valences.STRAIGHT):
             raise BadInput(f"{what}: C{at + 1} lacks hydrogen, and XYZ has no bonds to add it by: give an SDF file or --smiles; "
                            "an ion needs --charge, a radical --uhf")
 
@@ -247,7 +243,8 @@ def _add_no_hydrogen_to_the_whole(mol, given, charge, unpaired):
         atom.SetNoImplicit(True)
     lack = {a.GetIdx(): a.GetNumExplicitHs() for a in mol.GetAtoms() if a.GetNumExplicitHs()}
     if len(mol.GetSubstructMatches(CARBON_HYDROGEN, maxMatches=10000)) < len(lack):
-        return mol if given.kind == "sdf" else _with_short_bonds(mol)
+        # Open Babel does not see all double bonds of a PDB file, but their lengths tell them.
+        return mol if given.kind != "pdb" else valences.assigned(mol, Chem.GetFormalCharge(mol), 0, True, True)[0] or mol
     bare = Chem.Mol(mol)
     for n in lack:
         bare.GetAtomWithIdx(n).SetNumExplicitHs(0)
@@ -263,17 +260,6 @@ def _add_no_hydrogen_to_the_whole(mol, given, charge, unpaired):
     raise BadInput(f"{given.what}: {valences.named(mol, atoms)} {'lacks' if len(atoms) == 1 else 'lack'} hydrogen, and all "
                    f"other atoms have theirs: give --charge {signed(Chem.GetFormalCharge(ion))} for the ion, or a file without "
                    "hydrogens, which are then added")
-
-
-def _with_short_bonds(mol):
-    """Atoms without hydrogens whose bonds are too short for single ones, which Open Babel took for such, get double bonds."""
-    share, short = geometry.shares(numbers_of(mol), places_of(mol)), set()
-    for atom in mol.GetAtoms():
-        shortest = min((share[atom.GetIdx(), n.GetIdx()] for n in atom.GetNeighbors()), default=1)
-        if (shortest < SHORT.get(atom.GetAtomicNum(), 0) and atom.GetNumExplicitHs()
-                and all(b.GetBondTypeAsDouble() == 1 for b in atom.GetBonds())):
-            short.add(atom.GetIdx())
-    return valences.assigned(mol, Chem.GetFormalCharge(mol), 0, True, short)[0] or mol
 
 
 def _check_count(count, what, most=MOST_ATOMS):

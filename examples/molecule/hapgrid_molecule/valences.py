@@ -25,9 +25,10 @@ HIGHER = 0.3  # each valence above the first one
 FIVE = 3.0  # nitrogen's, as many programs write a nitro group; RDKit writes it with charges
 UNPAIRED = 4.0
 UNCLEAR = 1.0  # two charges whose costs differ by less are both named
-FEWER = -1.0  # an atom that gives up a hydrogen for a double bond
+HYDROGEN = 0.005  # so that a bond is a double one where its length tells nothing
 # Lengths in units of the sum of the covalent radii, and what it costs to be off by one.
 LENGTHS, OFF = np.array([1.0, 0.87, 0.78]), 2.0
+STRAIGHT = np.radians(150)
 SECONDS = 20
 NAMED = 6
 
@@ -51,33 +52,45 @@ def _states(atom, radicals):
     return out
 
 
-def assigned(mol, charge, unpaired, free, fewer=()):
+def assigned(mol, charge, unpaired, free, loose=False):
     """(a copy of RDKit's molecule with orders of bonds and formal charges for its total charge and number of unpaired
     electrons, what it costs), or (None, inf) where there are none. charge, unpaired: None for whatever costs least; free:
-    whether orders of bonds may change, by their lengths; fewer: atoms that may have a hydrogen less."""
+    whether orders of bonds may change, by their lengths; loose: whether numbers of hydrogens may change for that, too."""
     atoms, bonds = list(mol.GetAtoms()), list(mol.GetBonds())
     share = geometry.shares(numbers_of(mol), places_of(mol)) if free else None
+    shape = [_shape(atom, places_of(mol)) if loose else "" for atom in atoms]
     # Each choice is a state of an atom or an order of a bond: (its column of the equations, its cost, what is done with it).
-    # Rows: each atom and each bond has one choice; bonds of an atom add up to its valence; charges; unpaired electrons.
+    # Rows: each atom and each bond has one choice; bonds of an atom add up to its valence; charges; unpaired electrons; and where
+    # hydrogens are open, carbon and nitrogen have one bond at most that is not single, unless they lie on a line.
+    def fits(n, order, q, hydrogens):
+        """Where hydrogens are open an atom on a line has none, and charges that the file does not give are on or beside such."""
+        line = any(shape[at] == "straight" for at in (n, *(near.GetIdx() for near in atoms[n].GetNeighbors())))
+        return (shape[n] != "straight" or (order, hydrogens) == (4, 0)) and (
+            q == atoms[n].GetFormalCharge() or line and hydrogens == 0)
     choices, valence, total = [], len(atoms) + len(bonds), 2 * len(atoms) + len(bonds)
     for n, atom in enumerate(atoms):
+        most = atom.GetTotalNumHs()
         for order, q, spins, cost in _states(atom, unpaired != 0):
-            for less in (0, 1) if n in fewer else (0,):
-                hydrogens = atom.GetTotalNumHs() - less
-                choices.append(({n: 1, valence + n: hydrogens - order, total: q, total + 1: spins}, cost + less * FEWER,
+            for hydrogens in range(0 if loose else most, most + 1 + (loose and atom.GetAtomicNum() == 7)):
+                if loose and not fits(n, order, q, hydrogens):
+                    continue
+                choices.append(({n: 1, valence + n: hydrogens - order, total: q, total + 1: spins}, cost + HYDROGEN * hydrogens,
                                 lambda to, n=n, some=(q, spins, hydrogens): _set(to.GetAtomWithIdx(n), *some)))
     for n, bond in enumerate(bonds):
         a, b, order = bond.GetBeginAtomIdx(), bond.GetEndAtomIdx(), int(bond.GetBondTypeAsDouble())
         for taken in (1, 2, 3) if free and 1 not in (atoms[a].GetAtomicNum(), atoms[b].GetAtomicNum()) else (order,):
             # The last bonds are single where nothing else tells.
             cost = OFF * abs(share[a, b] - LENGTHS[taken - 1]) + 1e-6 * n * taken if free else 0.0
-            choices.append(({len(atoms) + n: 1, valence + a: taken, valence + b: taken}, cost,
+            several = {total + 2 + a: 1, total + 2 + b: 1} if taken > 1 else {}
+            choices.append(({len(atoms) + n: 1, valence + a: taken, valence + b: taken, **several}, cost,
                             lambda to, n=n, taken=taken: to.GetBondWithIdx(n).SetBondType(Chem.BondType.values[taken])))
-    matrix = np.zeros((total + 2, len(choices)))
+    matrix = np.zeros((total + 2 + len(atoms), len(choices)))
     for k, (column, _, _) in enumerate(choices):
         matrix[list(column), k] = list(column.values())
     one = [1] * valence + [0] * len(atoms)
     low, high = ([*one, *(end if last is None else last for last in (charge, unpaired))] for end in (-np.inf, np.inf))
+    low += [0] * len(atoms)
+    high += [1 if one == "bent" else np.inf for one in shape]
     found = optimize.milp([cost for _, cost, _ in choices], integrality=np.ones(len(choices)), bounds=optimize.Bounds(0, 1),
                           constraints=optimize.LinearConstraint(matrix, low, high), options={"time_limit": SECONDS})
     if found.x is None:
@@ -87,6 +100,14 @@ def assigned(mol, charge, unpaired, free, fewer=()):
         choices[k][2](out)
     out.UpdatePropertyCache(strict=False)
     return out.GetMol(), found.fun
+
+
+def _shape(atom, x):
+    """Whether a carbon or nitrogen is "bent" or "straight" between its neighbours."""
+    near = [n.GetIdx() for n in atom.GetNeighbors()]
+    if atom.GetAtomicNum() not in (6, 7) or len(near) < 2:
+        return ""
+    return "straight" if len(near) == 2 and geometry.angle(x, near[0], atom.GetIdx(), near[1]) > STRAIGHT else "bent"
 
 
 def _set(atom, charge, radicals, hydrogens):
