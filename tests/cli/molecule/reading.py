@@ -95,6 +95,14 @@ def groups():
                 assert f"{one.charge:+d}" in str(why), f"{smiles}: {why}"
         two = reading.read(path, None, one.charge or None)
         assert two.charge == one.charge and forms(one.rd) & forms(two.rd), f"{smiles}: {Chem.MolToSmiles(two.rd)}"
+    # Without hydrogens, in a PDB file.
+    for smiles in ("Cc1c[nH]c2ccccc12", "CCN=[N+]=[N-]", "CN(C)N=O", "Cc1ncc[nH]1"):
+        one = reading.read(None, smiles)
+        rows = [f"HETATM{n:5} {SYMBOLS[z]:>2}   LIG A   1    {x:8.3f}{y:8.3f}{w:8.3f}  1.00  0.00          {SYMBOLS[z]:>2}\n"
+                for n, (z, (x, y, w)) in enumerate(zip(one.numbers, one.positions), 1) if z > 1]
+        open(path.replace(".xyz", ".pdb"), "w").write("".join(rows))
+        two = reading.read(path.replace(".xyz", ".pdb"), None)
+        assert Chem.MolToSmiles(Chem.RemoveHs(two.rd)) == Chem.MolToSmiles(Chem.RemoveHs(one.rd)), smiles
     # Two whose shape RDKit cannot build, a square pyramid and a T.
     for formula, rows in (("F5I", "6\n\nI 0 0 0\nF 0 0 1.84\nF 1.87 0 -0.2\nF -1.87 0 -0.2\nF 0 1.87 -0.2\nF 0 -1.87 -0.2\n"),
                           ("ClF3", "4\n\nCl 0 0 0\nF 1.6 0 0\nF 0 1.7 0\nF 0 -1.7 0\n")):
