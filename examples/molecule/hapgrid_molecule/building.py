@@ -20,8 +20,8 @@ SMALL_RINGS = 60  # atoms, up to which a shape takes well below a second
 
 def understood(mol, what, forced):
     """The molecule with its aromatic rings and implicit hydrogens, and with the handedness that its coordinates or wedges give
-    it. forced: whether it is as the command line wants it, also where that does not fit its bonds. Errors: BadInput, which
-    names the atom."""
+    it. forced: whether its bonds are as they should be, also where RDKit knows no such valences. Errors: BadInput, which names
+    the atom."""
     one = Chem.Mol(mol)
     try:
         Chem.SanitizeMol(one)

@@ -54,7 +54,8 @@ def parser():
     p.add_argument("--charge", type=number(-9, 9, int), metavar="E",
                    help="total charge (default: what the file says)")
     p.add_argument("--uhf", type=number(0, 9, int), metavar="N",
-                   help="number of unpaired electrons of a radical (default: what the file says)")
+                   help="number of unpaired electrons of a radical (default: what the file says); with --charge, "
+                   "bonds that do not fit are taken as they are")
     p.add_argument("--method", choices=("auto", *xtb.METHODS), default="auto",
                    help=f"method of xtb: gfn2 is GFN2-xTB, gfnff the force field GFN-FF, and auto (default) takes gfn2 up to "
                    f"{steps.GFN2_ATOMS} atoms")

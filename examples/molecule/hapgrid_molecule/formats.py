@@ -1,7 +1,7 @@
 """The texts of molecules' files, as records of one molecule or several pieces each.
 
-RDKit reads MDL's formats (SDF, MOL) and SMILES, Open Babel, which finds bonds from distances, the others. What both misread
-is put right in the text before: symbols in capitals, alternate locations, lone pairs, headers, units.
+RDKit reads MDL's formats (SDF, MOL) and SMILES, Open Babel PDB and MOL2, and xyz.py XYZ. What they misread is put right in the
+text before: symbols in capitals, alternate locations, lone pairs, headers, units.
 """
 
 import re
@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from rdkit import Chem
 
-from . import xyz
-from .elements import NUMBERS, SYMBOLS
+from . import geometry, xyz
+from .elements import NUMBERS
 from .molecule import BadInput, is_flat, numbers_of, placed, places_of, unsanitized
 
 KINDS = {"sdf": "sdf", "mol": "sdf", "xyz": "xyz", "mol2": "mol2", "pdb": "pdb", "ent": "pdb"}
@@ -26,11 +26,13 @@ ION_CHARGES = {3: 1, 9: -1, 11: 1, 12: 2, 17: -1, 19: 1, 20: 2, 25: 2, 26: 2, 27
 @dataclass
 class Record:
     """mol: RDKit's molecule, not sanitized, with a conformer unless it is of SMILES. drawing: whether its coordinates
-    are said to be a drawing's. charge, unpaired: what the text says of all of it, or None."""
+    are said to be a drawing's. charge, unpaired: what the text says of all of it, or None; known: whether the text says the
+    orders of its bonds."""
     mol: Chem.Mol
     drawing: bool = False
     charge: int = None
     unpaired: int = None
+    known: bool = True
 
 
 @dataclass
@@ -74,12 +76,12 @@ def read(text, what, kind):
                 f": frame {order[0] + 1}, of lowest energy, is taken" if known else ", without energies: the first is taken"))
         for one in [frames[order[0]]] if order else frames:
             given.add(Record(placed(unsanitized(one.numbers, [0] * len(one.x), ()), one.x), False,
-                             *_charge_in(one.title, what)))
+                             *_charge_in(one.title, what), known=False))
     else:
         if kind == "pdb":
             text = "\n".join(map(_with_element, _without_alternates(text.split("\n"), given.say)))
-        for mol in _babel(text, kind, what, say=given.say):
-            given.add(Record(mol))
+        for mol in _babel(text, kind, given.say):
+            given.add(Record(mol, known=kind == "mol2"))
     if not given.records:
         raise BadInput(f"{what}: not understood as {kind.upper()}")
     return given
@@ -106,7 +108,7 @@ def _sdf(text, given):
         lines = _with_header(block.split("\n"), given)
         if lines is None:
             continue
-        unpaired = _radicals(lines)
+        unpaired, known = _radicals(lines), True
         mol = _block(lines, given)
         x = places_of(mol)
         drawing = is_flat(x) and lines[1][20:22].upper() == "2D"
@@ -115,8 +117,8 @@ def _sdf(text, given):
             mol = _block(lines, given)
         if mol.GetNumBonds() == 0 and mol.GetNumAtoms() > 1 and np.ptp(x, axis=0).max() > 0.1:
             given.say("no bonds are in the file: they are found from the distances")
-            mol = with_bonds(numbers_of(mol), x, given.what)
-        given.add(Record(mol, drawing, unpaired=unpaired))
+            mol, known = with_bonds(numbers_of(mol), x), False
+        given.add(Record(mol, drawing, unpaired=unpaired, known=known))
 
 
 def _with_header(lines, given):
@@ -231,18 +233,14 @@ def _with_element(line):
 
 # Open Babel's molecules as RDKit's
 
-def with_bonds(numbers, x, what):
-    """RDKit's molecule of atoms that are all there, with bonds that Open Babel finds."""
-    rows = "".join(f"{SYMBOLS[z]} {x:.10f} {y:.10f} {w:.10f}\n" for z, (x, y, w) in zip(numbers, x))
-    mols = list(_babel(f"{len(numbers)}\n\n{rows}", "xyz", what, hydrogens=False))
-    if len(mols) != 1 or mols[0].GetNumAtoms() != len(numbers):
-        raise BadInput(f"{what}: not understood as XYZ")
-    return mols[0]
+def with_bonds(numbers, x):
+    """RDKit's molecule of atoms with single bonds between those that are near each other."""
+    near = geometry.bonds_of(numbers, x)
+    return placed(unsanitized(numbers, [0] * len(x), [(j, k, 1) for j, some in enumerate(near) for k in some if j < k]), x)
 
 
-def _babel(text, kind, what, hydrogens=True, say=None):
-    """RDKit's molecules of the records that Open Babel reads. hydrogens: whether atoms get those that the text leaves out;
-    say: what tells that lone pairs were left out."""
+def _babel(text, kind, say):
+    """RDKit's molecules of the records that Open Babel reads. say: what tells that lone pairs were left out."""
     try:
         from openbabel import openbabel
     except ImportError:
@@ -260,23 +258,20 @@ def _babel(text, kind, what, hydrogens=True, say=None):
             ob.DeleteAtom(dummy)
             for atom in near:
                 openbabel.OBAtomAssignTypicalImplicitHydrogens(atom)
-        yield _from_babel(openbabel, ob, hydrogens)
+        yield _from_babel(openbabel, ob)
         ob = openbabel.OBMol()
         more = conversion.Read(ob)
 
 
-def _from_babel(openbabel, ob, hydrogens):
+def _from_babel(openbabel, ob):
     atoms = list(openbabel.OBMolAtomIter(ob))
     bonds = [(b.GetBeginAtomIdx() - 1, b.GetEndAtomIdx() - 1, b.GetBondOrder()) for b in openbabel.OBMolBondIter(ob)]
     mol = unsanitized([a.GetAtomicNum() for a in atoms], [a.GetFormalCharge() for a in atoms],
                       [(j, k, order if 1 <= order <= 3 else 1) for j, k, order in bonds])
     for from_, atom in zip(atoms, mol.GetAtoms()):
-        if hydrogens and (from_.GetExplicitDegree() > 0 or from_.GetAtomicNum() not in ION_CHARGES):
+        if from_.GetExplicitDegree() > 0 or from_.GetAtomicNum() not in ION_CHARGES:
             atom.SetNumExplicitHs(from_.GetImplicitHCount())
     for atom in mol.GetAtoms():
-        double = [b for b in atom.GetBonds() if b.GetBondTypeAsDouble() == 2]
-        if atom.GetAtomicNum() == 7 and len(double) == 2 and all(n.GetDegree() > 1 for n in atom.GetNeighbors()):
-            double[1].SetBondType(Chem.BondType.SINGLE)  # a triazine's nitrogen; pair_up() gives the carbon another one
         if atom.GetDegree() == 0 and atom.GetTotalNumHs() == 0 and atom.GetFormalCharge() == 0:
             atom.SetFormalCharge(ION_CHARGES.get(atom.GetAtomicNum(), 0))
     return placed(mol, [(a.GetX(), a.GetY(), a.GetZ()) for a in atoms])

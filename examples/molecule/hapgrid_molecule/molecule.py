@@ -8,7 +8,7 @@ import numpy as np
 from hapgrid_command.files import Failed
 from rdkit import Chem, RDLogger
 from rdkit.Chem import rdForceFieldHelpers, rdMolDescriptors
-from rdkit.ForceField import rdForceField  # noqa: F401  the type of force fields
+from rdkit.ForceField import rdForceField  # Python must know the type of force fields
 
 from . import torsions as torsions_of
 from . import geometry
@@ -93,12 +93,16 @@ def relaxed(rd, positions, steps, fixed=()):
     """(energy, positions in angstrom) after some steps with MMFF94, or with UFF where that has no parameters; as they
     are where neither has. Energies of one molecule can be compared with each other. fixed: atoms that stay."""
     rd = placed(rd, positions)
-    properties = rdForceFieldHelpers.MMFFGetMoleculeProperties(rd)
-    if properties is not None:
-        field = rdForceFieldHelpers.MMFFGetMoleculeForceField(rd, properties)
-    elif rdForceFieldHelpers.UFFHasAllMoleculeParams(rd):
-        field = rdForceFieldHelpers.UFFGetMoleculeForceField(rd)
-    else:
+    field: rdForceField.ForceField = None
+    try:
+        properties = rdForceFieldHelpers.MMFFGetMoleculeProperties(rd)
+        if properties is not None:
+            field = rdForceFieldHelpers.MMFFGetMoleculeForceField(rd, properties)
+        elif rdForceFieldHelpers.UFFHasAllMoleculeParams(rd):
+            field = rdForceFieldHelpers.UFFGetMoleculeForceField(rd)
+    except Chem.MolSanitizeException:  # of valences that no force field knows
+        pass
+    if field is None:
         return 0.0, np.array(positions, float)
     field.Initialize()
     for atom in fixed:

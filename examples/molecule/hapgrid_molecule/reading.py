@@ -16,11 +16,10 @@ from .molecule import BadInput, Molecule, is_flat, numbers_of, places_of, signed
 
 MOST_ATOMS = 100
 LEAST_DISTANCE = 0.5  # angstrom
-# Of the sum of the covalent radii: carbon with a shorter bond has a double one (1.41 angstrom to carbon), and nitrogen
-# (1.33).
-SHORT = {6: 0.925, 7: 0.905}
 METALS = {3, 4, 11, 12, 13, *range(19, 32), *range(37, 51), *range(55, 85), *range(87, 104)}
 MOST_PIECES = 8  # of a record in which no piece is half of it: more are no molecules, but noise
+TRIPLE = 0.85  # of the sum of the covalent radii: a carbon whose only bond is longer has no triple bond
+CHARGED, CARBON_HYDROGEN = map(Chem.MolFromSmarts, ("[C+,C-]", "[#1]~[#6]"))
 NAMED = 4
 
 
@@ -38,6 +37,8 @@ def read(path, smiles, charge=None, unpaired=None):
         return _one(given, charge, unpaired)
     one = Molecule(what, **confined.run(work, what))
     electrons = sum(one.numbers) - one.charge
+    if electrons < 1:
+        raise BadInput(f"{what}: no electrons are left with charge {signed(one.charge)}: give the right --charge")
     if electrons % 2 == one.unpaired % 2 and one.unpaired <= electrons:
         return one
     if one.unpaired:
@@ -121,7 +122,7 @@ def _refuse_no_coordinates(given, record):
         raise BadInput(f"{what}: no coordinates and no bonds: give a file that has them, or --smiles")
     if given.kind == "xyz":
         _check_count(len(x), what, 10 * MOST_ATOMS)
-        record.mol = formats.with_bonds(numbers, x, what)
+        record.mol = formats.with_bonds(numbers, x)
         if is_flat(x) and (len(Chem.GetMolFrags(record.mol)) > 1 or _is_bulky(record.mol)):
             raise BadInput(f"{what}: flat, and XYZ has no bonds to build a shape from: give an SDF file or --smiles")
         _check(x, what, 10 * MOST_ATOMS)
@@ -179,21 +180,17 @@ def _is_bulky(mol):
 def _completed(given, record, charge, unpaired):
     """(the molecule with all hydrogens and a shape, whether that was built)."""
     what, mol, x = given.what, record.mol, places_of(record.mol)
-    if given.kind == "xyz" and not unpaired:
-        lack = valences.lacking(mol)
-        if _hydrogens_of_carbons(mol) >= len(lack):
-            valences.pair_up(mol, lack, charge)
-        valences.raise_valences(mol, lack)
-        if unpaired is None and charge is None:
-            _refuse_without_hydrogen(mol, what)
-    if given.kind in ("pdb", "mol2") or given.kind == "sdf" and not is_flat(x):
-        _add_no_hydrogen_to_the_whole(mol, given, charge)
+    _check_count(_size(mol), what)
+    if given.kind == "xyz" and unpaired is None and charge is None:
+        _refuse_without_hydrogen(mol, what)
+    if given.kind in ("pdb", "mol2") or given.kind == "sdf" and record.known and not is_flat(x):
+        mol = _add_no_hydrogen_to_the_whole(mol, given, charge, unpaired)
     if given.kind != "smi" or charge is not None:
-        valences.close(mol, what, charge, unpaired)
-    mol = building.understood(mol, what, charge is not None or unpaired is not None)
+        Chem.SanitizeMol(mol, Chem.SANITIZE_KEKULIZE, catchErrors=True)
+        mol = valences.closed(mol, what, charge, unpaired, not record.known and _size(mol) == mol.GetNumAtoms())
+    mol = building.understood(mol, what, given.kind == "xyz" or charge is not None or unpaired is not None)
     nowhere = np.ptp(x, axis=0).max() < 0.1 and len(x) > 1
     added = _size(mol) - mol.GetNumAtoms()
-    _check_count(_size(mol), what)
     if given.kind == "smi":
         free = {a.GetIdx(): a.GetNumRadicalElectrons() for a in mol.GetAtoms() if a.GetNumRadicalElectrons()}
         if unpaired is None and free and sum(free.values()) % 2 == 0:  # the number of electrons does not tell it
@@ -225,65 +222,44 @@ def _built(mol, given):
 
 
 def _refuse_without_hydrogen(mol, what):
-    """XYZ cannot say which hydrogens it leaves out. A carbon with one or two neighbours and free
-    valences has lost some, except in CO and isocyanides, where Open Babel gives it three."""
+    """XYZ cannot say which hydrogens it leaves out. A carbon with one neighbour at the distance of a single bond has lost
+    some, and so has one with two neighbours that are not on a line with it."""
+    x = places_of(mol)
+    share = geometry.shares(numbers_of(mol), x)
     for atom in mol.GetAtoms():
-        degree, valence = atom.GetDegree(), sum(b.GetBondTypeAsDouble() for b in atom.GetBonds())
-        if atom.GetAtomicNum() == 6 and (degree == 1 and valence < 3 or degree == 2 and valence < 4):
-            raise BadInput(f"{what}: C{atom.GetIdx() + 1} lacks hydrogen, and XYZ has no bonds to add it by: give an SDF file "
-                           "or --smiles; a radical needs --uhf")
+        at, near = atom.GetIdx(), [n.GetIdx() for n in atom.GetNeighbors()]
+        if atom.GetAtomicNum() == 6 and (len(near) == 1 and share[at, near[0]] > TRIPLE or
+                                         len(near) == 2 and geometry.angle(x, near[0], at, near[1]) < valences.STRAIGHT):
+            raise BadInput(f"{what}: C{at + 1} lacks hydrogen, and XYZ has no bonds to add it by: give an SDF file or --smiles; "
+                           "an ion needs --charge, a radical --uhf")
 
 
-def _hydrogens_of_carbons(mol):
-    return len(mol.GetSubstructMatches(Chem.MolFromSmarts("[#1]~[#6]"), maxMatches=10000))
-
-
-def _add_no_hydrogen_to_the_whole(mol, given, charge):
-    """Where most carbons have their hydrogens the file has all that there are. Atoms that seem to lack some then have double
-    bonds, unless the file says which bonds are; an oxygen or nitrogen that still lacks one is an ion's, and gets none."""
+def _add_no_hydrogen_to_the_whole(mol, given, charge, unpaired):
+    """The molecule with the numbers of hydrogens that are to be added. Where most carbons have their hydrogens the file has
+    all that there are, and other bonds or charges are looked for. Where these only fit an ion whose charges are on nitrogen,
+    oxygen and sulphur, it is that."""
     for atom in mol.GetAtoms():
         atom.SetNumExplicitHs(atom.GetTotalNumHs())
         atom.SetNoImplicit(True)
     lack = {a.GetIdx(): a.GetNumExplicitHs() for a in mol.GetAtoms() if a.GetNumExplicitHs()}
-    whole = _hydrogens_of_carbons(mol) >= len(lack)
-    if given.kind != "sdf":
-        for n in lack if whole else ():
-            mol.GetAtomWithIdx(n).SetNumExplicitHs(0)
-        mol.UpdatePropertyCache(strict=False)
-        free = valences.lacking(mol)
-        valences.pair_up(mol, free, charge)
-        if whole:
-            valences.raise_valences(mol, free)
-        for n in lack if whole else ():
-            lack[n] = min(lack[n], free.get(n, 0))
-            mol.GetAtomWithIdx(n).SetNumExplicitHs(lack[n])
-        if not whole:
-            _join_short_bonds(mol)
-        mol.UpdatePropertyCache(strict=False)
-    lack = {n: count for n, count in lack.items() if count and whole}
-    if not lack or any(mol.GetAtomWithIdx(n).GetAtomicNum() not in (7, 8) for n in lack):
-        return
-    total = Chem.GetFormalCharge(mol) - sum(lack.values())
-    if charge is None:
-        raise BadInput(f"{given.what}: {valences.named(mol, lack)} {'lacks' if len(lack) == 1 else 'lack'} hydrogen, and all "
-                       f"other atoms have theirs: give --charge {signed(total)} for the ion, or a file without hydrogens, which "
-                       "are then added")
-    if charge == total:
-        for n in lack:
-            mol.GetAtomWithIdx(n).SetNumExplicitHs(0)
-
-
-def _join_short_bonds(mol):
-    """Atoms without hydrogens whose bonds are too short for single ones, which Open Babel took for such, get double bonds."""
-    share, lack = geometry.shares(numbers_of(mol), places_of(mol)), {}
-    for atom in mol.GetAtoms():
-        shortest = min((share[atom.GetIdx(), n.GetIdx()] for n in atom.GetNeighbors()), default=1)
-        if (shortest < SHORT.get(atom.GetAtomicNum(), 0) and atom.GetNumExplicitHs()
-                and all(b.GetBondTypeAsDouble() == 1 for b in atom.GetBonds())):
-            lack[atom.GetIdx()] = 1
-    valences.pair_up(mol, lack, 0)
-    for n in (n for n, left in lack.items() if not left):
-        mol.GetAtomWithIdx(n).SetNumExplicitHs(mol.GetAtomWithIdx(n).GetNumExplicitHs() - 1)
+    if len(mol.GetSubstructMatches(CARBON_HYDROGEN, maxMatches=10000)) < len(lack):
+        # Open Babel does not see all double bonds of a PDB file, but their lengths tell them.
+        return mol if given.kind != "pdb" else valences.assigned(mol, Chem.GetFormalCharge(mol), 0, True, True)[0] or mol
+    bare = Chem.Mol(mol)
+    for n in lack:
+        bare.GetAtomWithIdx(n).SetNumExplicitHs(0)
+    total = Chem.GetFormalCharge(mol) if charge is None else charge
+    ways = {"sdf": [False], "mol2": [False, True], "pdb": [True]}[given.kind]
+    whole = [one for one in (valences.assigned(bare, total, unpaired or 0, free)[0] for free in ways) if one is not None]
+    if whole:
+        return min(whole, key=lambda one: len(one.GetSubstructMatches(CHARGED)))
+    ion = valences.assigned(bare, None, unpaired or 0, ways[-1])[0] if lack and charge is None else None
+    atoms = ion and valences.opened(bare, ion)
+    if not atoms or any(mol.GetAtomWithIdx(n).GetAtomicNum() not in (7, 8, 16) for n in atoms):
+        return mol
+    raise BadInput(f"{given.what}: {valences.named(mol, atoms)} {'lacks' if len(atoms) == 1 else 'lack'} hydrogen, and all "
+                   f"other atoms have theirs: give --charge {signed(Chem.GetFormalCharge(ion))} for the ion, or a file without "
+                   "hydrogens, which are then added")
 
 
 def _check_count(count, what, most=MOST_ATOMS):

@@ -1,6 +1,7 @@
 """The steps from a molecule's file to the page. Each is a function from the results of those before it to its own;
 what it computes is kept as files, which the user may change, so its result is what the files say."""
 
+import itertools
 import os
 import shlex
 import time
@@ -18,10 +19,13 @@ from .xtb import BOHR, Surface, XtbError, load
 
 GFN2_ATOMS = 24  # up to which GFN2-xTB is taken
 ENSEMBLE = 8  # frames of an ensemble between which paths are looked for
-# Gradients of xtb in units of a Hessian, which are measured: of propan-2-ol and ethanol 9 to 16 for each way of a
-# bond, and 21 where it goes on behind its barriers; and what an optimiser's step takes besides its gradient.
+# Gradients of xtb in units of a Hessian, which are measured: of butane, pentane, propan-2-ol and ethanol 9 to 16 for each way
+# of a bond, and 21 where it goes on behind its barriers. Of a flexible molecule some ways take ten times as many, to hard
+# saddles or lower minima: on the mean of methyl argininate, with 9 bonds beside methyl groups, twice as many.
 HESSIANS, HESSIANS_BEHIND, HESSIANS_AT_FIRST = 15, 12, 15
-ALGEBRA = 0.3
+FLEXIBLE = 8  # bonds beside methyl groups with which a way takes twice as many
+# What an optimiser's step takes besides its gradient, in shares of a step for each gradient: most gradients are a Hessian's.
+ALGEBRA = 0.09
 
 
 @dataclass
@@ -55,7 +59,7 @@ class Start:
     def points(self):
         """The SinglePoints of --single-points, or None."""
         command = self.options.single_points
-        return command and singles.SinglePoints(command, self.molecule, self.folder.kept)
+        return None if command is None else singles.SinglePoints(command, self.molecule, self.folder.kept)
 
     def turned_by(self, paths):
         return [t for t in self.turning if {t.name, *t.file_names()} & set(paths)]
@@ -133,21 +137,23 @@ def find_structures(start):
 
 
 def estimate(start):
-    """Says how long the structures take, within a factor of 2 or so, from the CPU time of a gradient: what else the machine
-    does is not known beforehand. Where xtb refuses the shape, the search itself says why."""
+    """Says how long the structures take, within a factor of 2 or so, from the CPU time of a gradient and of a step: what else
+    the machine does is not known beforehand. Where xtb refuses the shape, the search itself says why."""
     o, x = start.options, start.molecule.positions / BOHR
+    ways, soft = sum(len(t.signs) for t in start.turning), sum(not t.rotor for t in start.turning)
+
+    def takes(compute):
+        return min(timeit.repeat(compute, timer=time.process_time, number=1, repeat=5))
     try:
-        surface = start.surface(x)
-        gradient, algebra = (min(timeit.repeat(compute, timer=time.process_time, number=1, repeat=5)) for compute in (
-            lambda: surface.energy(x), lambda: optimise.projected(np.eye(x.size), x)))
+        surface, shifts = start.surface(x), itertools.count(1)
+        gradient = takes(lambda: surface.energy(x + 0.005 * next(shifts) * np.eye(*x.shape)))
+        step = takes(lambda: optimise.projected(np.eye(x.size), x)) + takes(lambda: start.tree.moved(x, 0.01 * np.cos(x)))
     except XtbError:
         return
-    ways = sum(len(t.signs) for t in start.turning)
-    count = HESSIANS_AT_FIRST + ways * (HESSIANS + (HESSIANS_BEHIND if o.basins else 0))
+    count = HESSIANS_AT_FIRST + ways * (HESSIANS + (HESSIANS_BEHIND if o.basins else 0)) * (1 + soft / FLEXIBLE)
     cores = min(o.threads, max(ways, 1))
-    seconds = 2 * x.size * count * (gradient + ALGEBRA * algebra) / cores
-    start.folder.say(f"  {about(seconds, cores)} for conformation and barriers, several times that where a lower minimum is "
-                     "found or barriers are hard to find")
+    seconds = 2 * x.size * count * (gradient + ALGEBRA * step) / cores
+    start.folder.say(f"  {about(seconds, cores)} for conformation and barriers, more where a lower minimum is found")
 
 
 def show(start, shapes, plan):

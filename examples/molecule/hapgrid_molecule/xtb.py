@@ -12,7 +12,9 @@ import numpy as np
 from .elements import MASSES
 
 sys.path.append(os.path.join(os.path.dirname(os.path.realpath(__file__)), "../../xtb"))
-from xtb_library import BOHR, HARTREE, METHODS, Xtb, XtbError, load  # noqa: F401  other modules use them
+from xtb_library import BOHR, HARTREE, METHODS, Xtb, XtbError, load
+
+__all__ = ["BOHR", "HARTREE", "METHODS", "Surface", "WAVE_NUMBER", "XtbError", "load"]
 
 # sqrt(hartree / (bohr^2 amu)) as a wave number, cm^-1
 WAVE_NUMBER = 5140.487144

@@ -21,7 +21,7 @@ xyz C 0.98 -0.06 0 C 2.5 -0.07 0 C 3.04 -1.36 0 C 4.56 -1.37 0 H 0.61 0.88 0 H 0
   H 2.86 0.05 0 H 2.68 -2.22 0 H 2.67 -1.48 0 H 4.96 -1.29 0 H 4.93 -2.31 0 H 4.95 -0.54 0 >flat.xyz
 bad 'flat\.xyz: flat, and XYZ has no bonds to build a shape from: give an SDF file or --smiles' flat.xyz
 xyz C 0 0 0 C 1.4 0.1 0.4 C 2.1 1.3 0 >bare.xyz
-bad 'bare\.xyz: C1 lacks hydrogen, and XYZ has no bonds to add it by: give an SDF file or --smiles; a radical needs --uhf' \
+bad 'bare\.xyz: C1 lacks hydrogen, and XYZ has no bonds to add it by: give an SDF file or --smiles; an ion needs --charge, a radical --uhf' \
   bare.xyz
 xyz Qq 0 0 0 C 0 0 1 O 1 1 1 >symbol.xyz
 bad 'symbol\.xyz: atom 1 is of no known element: correct its symbol' symbol.xyz

@@ -1,5 +1,6 @@
 """reading.py FOLDER read: the inputs are read as read.tsv says. build: the SMILES of inputs/smiles.txt get sound shapes, whose
-configurations Open Babel, which did not build them, reads as it reads the SMILES. hostile: damaged files give one line, whatever
+configurations Open Babel, which did not build them, reads as it reads the SMILES. groups: bonds and charges that XYZ files do
+not say are found. hostile: damaged files give one line, whatever
 they do to the libraries. FOLDER has the code."""
 
 import ctypes
@@ -10,7 +11,8 @@ import subprocess
 import sys
 
 sys.path.insert(0, sys.argv[1])
-from hapgrid_molecule import confined, reading
+from hapgrid_molecule import confined, molecule, reading
+from hapgrid_molecule.elements import SYMBOLS
 from hapgrid_molecule.molecule import BadInput
 import numpy as np
 from openbabel import openbabel
@@ -61,6 +63,63 @@ def read():
     two = reading.started(f"{os.environ['work']}/start.sdf")
     assert (two.charge, two.unpaired, two.built) == (2, 0, False), two
     assert Chem.GetFormalCharge(two.rd) == 2 and Chem.MolToSmiles(two.rd) == Chem.MolToSmiles(one.rd), two
+
+
+# Functional groups whose bonds and charges an XYZ file does not say.
+GROUPS = """CC([O-])=C CC(=O)C=C([O-])C [O-]c1ccccc1 OCl(=O)(=O)=O CC#[N+][O-] [O-][N+]#Cc1ccccc1 CC(=O)[O-] [O-]C(=O)C(=O)[O-]
+C[N+](=O)[O-] CCO[N+](=O)[O-] COP(=O)([O-])[O-] OP(=O)(O)O C[N+](C)(C)[O-] [O-][n+]1ccccc1 C[N+]#[C-] [C-]#[N+]c1ccccc1
+C=[N+]=[N-] CCOC(=O)C=[N+]=[N-] N#[N+]c1ccccc1 CN=[N+]=[N-] [N-]=[N+]=[N-] [C-]#[O+] O=[O+][O-] CS(=O)(=O)C CS(N)(=O)=O
+CC=[N+](C)[O-] CN=[N+]([O-])C CS(C)(=N)=O [O-]C#N CN=C=S NC(N)=[NH2+] C[n+]1cc[nH]c1 CC#[O+] C=[N+](C)C O=[N+]=O O=C=C=C=O
+C[N+](C)(C)CC(=O)[O-] Cn1cnc2c1c(=O)n(C)c(=O)n2C CN(C)C(=S)[S-] CC(=O)N[O-] O=C1C=CC(=O)C=C1 C1=CC=CC=CC=C1 [BH4-]
+[NH3+]CC(=O)[O-] CS(C)=O FS(F)(F)F O=I(=O)c1ccccc1 C[P+](C)(C)C Cc1c[nH]c(=O)[nH]c1=O CC(=O)OO""".split()
+
+
+def forms(mol):
+    """The SMILES of its resonance structures."""
+    flags = Chem.ALLOW_INCOMPLETE_OCTETS | Chem.ALLOW_CHARGE_SEPARATION
+    return {Chem.MolToSmiles(one) for one in Chem.ResonanceMolSupplier(Chem.RemoveHs(mol), flags, 200) if one is not None}
+
+
+def groups():
+    """The XYZ file of each of GROUPS is read as the molecule that it is of, or refused with its charge as the advice."""
+    path = f"{os.environ['work']}/group.xyz"
+    for smiles in GROUPS:
+        one = reading.read(None, smiles)
+        rows = [f"{SYMBOLS[z]} {x:.5f} {y:.5f} {w:.5f}\n" for z, (x, y, w) in zip(one.numbers, one.positions)]
+        open(path, "w").write(f"{len(rows)}\n\n{''.join(rows)}")
+        if one.charge:
+            try:
+                reading.read(path, None)
+                raise AssertionError(f"{smiles}: read without its charge")
+            except BadInput as why:
+                assert f"{one.charge:+d}" in str(why), f"{smiles}: {why}"
+        two = reading.read(path, None, one.charge or None)
+        assert two.charge == one.charge and forms(one.rd) & forms(two.rd), f"{smiles}: {Chem.MolToSmiles(two.rd)}"
+    # Without hydrogens, in a PDB file.
+    for smiles in ("Cc1c[nH]c2ccccc12", "CCN=[N+]=[N-]", "CN(C)N=O", "Cc1ncc[nH]1"):
+        one = reading.read(None, smiles)
+        rows = [f"HETATM{n:5} {SYMBOLS[z]:>2}   LIG A   1    {x:8.3f}{y:8.3f}{w:8.3f}  1.00  0.00          {SYMBOLS[z]:>2}\n"
+                for n, (z, (x, y, w)) in enumerate(zip(one.numbers, one.positions), 1) if z > 1]
+        open(path.replace(".xyz", ".pdb"), "w").write("".join(rows))
+        two = reading.read(path.replace(".xyz", ".pdb"), None)
+        assert Chem.MolToSmiles(Chem.RemoveHs(two.rd)) == Chem.MolToSmiles(Chem.RemoveHs(one.rd)), smiles
+    # Two whose shape RDKit cannot build, a square pyramid and a T.
+    for formula, rows in (("F5I", "6\n\nI 0 0 0\nF 0 0 1.84\nF 1.87 0 -0.2\nF -1.87 0 -0.2\nF 0 1.87 -0.2\nF 0 -1.87 -0.2\n"),
+                          ("ClF3", "4\n\nCl 0 0 0\nF 1.6 0 0\nF 0 1.7 0\nF 0 -1.7 0\n")):
+        open(path, "w").write(rows)
+        assert reading.read(path, None).formula == formula, formula
+    for smiles, charge, why in (
+            ("CC(=O)[O-]", 3, "its bonds fit --charge -1, and not +3"), ("C1CC1", 2, "its bonds fit --charge 0, and not +2"),
+            ("c1cc[nH]c1", 1, "35 electrons with charge +1: a radical needs --uhf 1"), ("[H][H]", 2, "its bonds fit --charge 0")):
+        try:
+            reading.read(None, smiles, charge)
+            raise AssertionError(f"{smiles} {charge}")
+        except BadInput as got:
+            assert str(got).startswith(f"SMILES '{smiles}': {why}"), got
+    assert reading.read(None, "c1cc[nH]c1", 1, 1).formula == "C4H5N+"
+    # With --charge and --uhf both given the bonds need not fit; no force field knows such a molecule, which then stays as it is.
+    odd = reading.read(None, "F[B-](F)(F)F", 0, 1)
+    assert len(molecule.conformers(odd, [], 4, 1)) == 1 and odd.charge == 0
 
 
 def canonical(text, kind):
@@ -144,4 +203,4 @@ def hostile():
     assert min(outcomes.values()) > 10, outcomes
 
 
-{"read": read, "build": build, "hostile": hostile}[sys.argv[2]]()
+{"read": read, "groups": groups, "build": build, "hostile": hostile}[sys.argv[2]]()

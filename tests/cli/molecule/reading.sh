@@ -2,6 +2,6 @@
 source "$(dirname "$0")/../lib.sh"
 needs_python "openbabel, rdkit, scipy, seccomp" "python3-openbabel, python3-rdkit, python3-scipy, python3-seccomp"
 export work
-for part in read build hostile; do
+for part in read groups build hostile; do
   /usr/bin/python3 "$here/reading.py" "$HAPGRID_SOURCE/examples/molecule" "$part" || fail "$part: see above"
 done
