@@ -63,8 +63,8 @@ struct StepResult {
   std::uint16_t face_switches = 0;
   std::uint16_t edge_switches = 0;
   std::uint16_t vertex_switches = 0;
-  /// The model's new answer is about a place farther from position() than the last one that was
-  /// followed, which therefore still counts.
+  /// Of the model's last answers, the one about the place nearest to position() is the one that was
+  /// followed last, which therefore still counts.
   bool still_held = false;
   std::int8_t direction = -1;  ///< of the last switch to another cell; -1: there was none
   /// Some corner that the cells before and after the step share has another node. False where the

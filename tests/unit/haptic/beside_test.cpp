@@ -122,6 +122,18 @@ Grid straight_line() {
   return Grid(spec, 1, columns);
 }
 
+/// It fails beyond a place.
+std::unique_ptr<Model> wavy_model(const GridSpec& spec, double fails_at) {
+  return std::make_unique<tiny::TestModel>(
+      spec, [=](const double*, const Vec3& x, const Vec3& d, double* row, std::string& error) {
+        const double to = x[0] + d[0];
+        std::fill_n(row, 4, 0.0);
+        row[0] = to + wave(to);
+        row[1] = -to / 10 + wave(to);
+        return to < fails_at || (error = "no", false);
+      });
+}
+
 TEST_CASE("the state and the force are the model's, and fade to the grid's when it fails") {
   const Grid grid = straight_line();
   const double fails_at = 4.3;
@@ -131,17 +143,7 @@ TEST_CASE("the state and the force are the model's, and fade to the grid's when 
   for (int i = 0; i < 400; ++i) path.push_back(2.7 + 1.5 * std::sin(i / 50.0));
   while (path.back() < 5.5) path.push_back(path.back() + 0.01);
   for (const std::uint32_t delay : {0U, 1U}) {
-    Beside beside(grid,
-                  std::make_unique<tiny::TestModel>(grid.spec(),
-                                                    [&](const double*, const Vec3& x, const Vec3& d,
-                                                        double* row, std::string& error) {
-                                                      const double to = x[0] + d[0];
-                                                      std::fill_n(row, 4, 0.0);
-                                                      row[0] = to + wave(to);
-                                                      row[1] = -to / 10 + wave(to);
-                                                      return to < fails_at || (error = "no", false);
-                                                    }),
-                  delay);
+    Beside beside(grid, wavy_model(grid.spec(), fails_at), delay);
     beside.begin(1000);
     BranchTraversal t(grid, std::make_shared<const BranchMap>(grid));
     t.walk_beside(&beside);
@@ -194,6 +196,21 @@ TEST_CASE("a hand that turns round before it comes to where the model looked ahe
     if (std::abs(i - kTurn) > kLate + 1) REQUIRE(is_upper);
   }
   CHECK(apart <= 2 * kLate);
+}
+
+TEST_CASE("a hand that turns round gets what the model said of the places on its way") {
+  const Grid grid = straight_line();
+  BranchTraversal t(grid, std::make_shared<const BranchMap>(grid));
+  Beside beside(grid, wavy_model(grid.spec(), 8), 5);
+  beside.begin(1000);
+  t.walk_beside(&beside);
+  for (int i = 0; i < 800; ++i) {
+    const double x = (i < 400 ? i : 800 - i) / 100.0 + 0.5;
+    REQUIRE(t.step({x, 0, 0}).usable());
+    // The wave is steepest where the hand turns, and the nearest answer is of a place two ticks
+    // away. The newest one is of a place beyond the turn, up to ten ticks away.
+    if (i > 60) CHECK(std::abs(t.state()[0] - x - wave(x)) <= 2 * std::numbers::pi * kWave * 0.021);
+  }
 }
 
 TEST_CASE("an answer is about where the hand is when it comes, if the hand goes straight on") {
