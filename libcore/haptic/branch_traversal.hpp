@@ -22,8 +22,8 @@
 // of the branch of the cell which is nearest to the model's, and what this branch lacked at the
 // place of an answer is added. Of the last answers it is the one whose place is nearest to the
 // hand: one that turns round does not come to where the model looked ahead. To the hand, there and
-// back are then the same, whichever branch of the grid is taken. When no answer comes, what was added fades like any offset, and the
-// grid decides.
+// back are then the same, whichever branch of the grid is taken. When no answer comes, what was
+// added fades like any offset, and the grid decides.
 #pragma once
 
 #include <array>

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The forces that play can send, on grids of several sizes: their error against the number of conversions,
-# what a tick costs, and the energy that comes back in a closed loop, without the energy tank and with it.
+# what a tick costs, and the energy that comes back in a closed loop, without the energy tank and with it. No model
+# walks beside the grid, whose force would be sent in place of these.
 #
 #   tests/bench/force.sh [BUILD] [TICKS] [SESSIONS] [POINTS] [MODELS]
 #           (default: build 200000 1000 '20 30 60' 'hung-ball alanine-dipeptide butane leu-enkephalin')
@@ -16,7 +17,7 @@ printf '[random]\nsessions = %d\n' "$sessions" >sim.toml
 open=(--max-force 100 --set safety.reserve=inf --set safety.ramp=0)
 
 returned() { # GRID FORCE OPTIONS...
-  play "$1" --device sim:sim.toml --force "$2" "${@:3}" --report report 2>/dev/null
+  play "$1" --device sim:sim.toml --beside off --force "$2" "${@:3}" --report report 2>/dev/null
   python3 -c 'import json; r = json.load(open("report"))["simulation"]["returned_mJ"]
 print("%.4f / %.2f" % (r["mean"], r["worst"]))'
 }
@@ -46,7 +47,7 @@ done
 compute loop "$ball" 40
 printf '[random]\nsessions = 40\n' >loop.toml
 loop() { # NAME OPTIONS...
-  play loop.grid --device sim:loop.toml --log loop.log --report report "${@:2}" 2>/dev/null
+  play loop.grid --device sim:loop.toml --beside off --log loop.log --report report "${@:2}" 2>/dev/null
   [[ -n ${session:-} ]] ||
     session=$(python3 -c 'import json; print(json.load(open("report"))["simulation"]["returned_mJ"]["session"])')
   awk -v from=$((5000 * session)) '/^#/ { next }

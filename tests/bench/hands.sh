@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # What comes back to the hand with the default rules and the safety core, for hands of several kinds, and what the
-# energy tank of the core holds back for it: a table.
+# energy tank of the core holds back for it: a table. The model walks beside the grid, one tick late.
 #
 #   tests/bench/hands.sh [BUILD] [SESSIONS] [SEED]        (default: build 1000 1)
 #
@@ -13,7 +13,7 @@ compute alanine "$HAPGRID_SOURCE/examples/molecule/alanine-dipeptide/alanine-dip
 # simulate GRID SESSIONS STIFFNESS DEVICE OPTIONS...: DEVICE as lines of TOML
 simulate() {
   printf '%s\n[hand]\nstiffness = %d\n[random]\nseed = %d\nsessions = %d\n' "$4" "$3" "$seed" "$2" >sim.toml
-  play "$1.grid" --device sim:sim.toml "${@:5}" 2>error || fail "$(cat error)"
+  play "$1.grid" --device sim:sim.toml --beside 1 "${@:5}" 2>error || fail "$(cat error)"
 }
 # off GAIN: the mean difference between the force of the model and the one that is sent, from a text log.
 off() {
