@@ -24,8 +24,10 @@ constexpr double kReturn = 0.03;       // in all other cases
 constexpr double kRestTime = 0.25;
 constexpr double kRestRadius = 2e-3;
 constexpr double kRestMean = 0.1;
-// Joules above what the model holds, up to which the tank is filled: the model holds less
-// than nothing where its interpolated energy dips below the lowest one of the records.
+// Joules: with less, the tank of a resting hand is filled up to what the model holds.
+constexpr double kLow = 5e-5;
+// Joules above that, up to which it is filled when it had too little: the model holds less than
+// nothing where its interpolated energy dips below the lowest one of the records.
 constexpr double kAbove = 1e-4;
 // Newtons: less is not withheld at all, so that withholding ends.
 constexpr double kNothing = 1e-6;
@@ -85,7 +87,8 @@ void EnergyTank::move(const TankTerms& terms, const Vec3& place, double dt, bool
     energy_ -= work;
     way_ = way;
     charged_ = work;
-    damped_ = sure ? std::min(terms.damping * dot(way, way) / dt, kMostDamped * dt) : 0;
+    const double most = rests() ? kMostDamped : kMostDampedMoving;
+    damped_ = sure ? std::min(terms.damping * dot(way, way) / dt, most * dt) : 0;
     // A sum that cannot be computed stands for a tank that is empty for good.
     if (!std::isfinite(energy_)) energy_ = std::numeric_limits<double>::lowest();
   }
@@ -207,16 +210,14 @@ void EnergyTank::grant(double joules, double most) noexcept {
 
 bool EnergyTank::rests() const noexcept { return rested_ >= kRestTime; }
 
-bool EnergyTank::is_weak_at_rest() const noexcept {
-  return rests() && (energy_ < 0 || length_of(withheld_) > kNothing);
-}
-
 void EnergyTank::refill(const TankTerms& terms, double held, double dt) noexcept {
-  if (!is_weak_at_rest() || terms.damping == 0) return;
+  if (!rests() || terms.damping == 0) return;
+  const bool is_weak = energy_ < 0 || length_of(withheld_) > kNothing;
+  if (!is_weak && energy_ > kLow) return;
   // What is not a number adds nothing.
-  const double lacks = std::max(0.0, held) + kAbove - energy_;
+  const double lacks = std::max(0.0, held) + (is_weak ? kAbove : 0) - energy_;
   if (lacks > 0) energy_ += std::min(lacks, kRefill * dt);
-  if (lacks < kAbove / 2)
+  if (is_weak && lacks < kAbove / 2)
     for (double& w : withheld_) w *= kFilledReturn / (kFilledReturn + dt);
 }
 

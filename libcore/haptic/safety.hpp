@@ -9,7 +9,7 @@
 //   so the loop keeps the slew limit in wall time (loop.hpp);
 //   the energy that the hand got back <= what the hand has put in + what the model held where the
 //   ramp rose + what limits.damping takes from the motion, at most kMostDamped + kRefill while a
-//   hand rests that is weak (EnergyTank::is_weak_at_rest) + limits.reserve + 0.01 mJ.
+//   hand rests whose tank is nearly empty or whose force is weakened + limits.reserve + 0.01 mJ.
 //
 // The third promise assumes that the hand's acceleration, the damping of hand and device, the
 // encoder and the delay are those of the limits, and that no tick is missed; energy_tank.hpp says
@@ -167,9 +167,8 @@ class SafetyCore {
   bool faulted() const noexcept { return state_.faulted; }
   /// Another hand: nothing of the ticks before counts. Real-time safe.
   void begin() noexcept { state_ = {}; }
-  /// Whether the next force is one of the ramp, or for a resting hand that the tank lets down.
-  /// Real-time safe.
-  bool asks_for_stored() const noexcept { return state_.ramp < 1 || state_.tank.is_weak_at_rest(); }
+  /// Whether the next force is one of the ramp, or for a resting hand. Real-time safe.
+  bool asks_for_stored() const noexcept { return state_.ramp < 1 || state_.tank.rests(); }
   /// Ends a fault: the force comes back with the ramp. Real-time safe.
   void reset() noexcept;
   /// Joules that the ramp has added so far to what the hand may get back. Real-time safe.
