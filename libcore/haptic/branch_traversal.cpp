@@ -67,7 +67,7 @@ bool BranchTraversal::begin(int nearest, Level level) noexcept {
   Branch branch;
   if (level >= grid_.levels(p) || !derive(base(), grid_.first(p) + level, nearest, branch))
     return false;
-  if (!last_step().started && has_ended(branch)) return false;
+  if (!last_step().started && has_ended(branch, corner_weights(part()))) return false;
   enter_branch(base(), branch);
   offset_.end();
   StepResult ignored;
@@ -240,9 +240,9 @@ bool BranchTraversal::decide_by_grid(StepResult& result) noexcept {
   return true;
 }
 
-/// Whether the branch ends before the HIP.
-bool BranchTraversal::has_ended(const Branch& branch) const noexcept {
-  const std::array<double, 8> weights = corner_weights(part());
+/// Whether the branch ends before the place with these weights.
+bool BranchTraversal::has_ended(const Branch& branch,
+                                const std::array<double, 8>& weights) const noexcept {
   double tear = 0;
   for (int k = 0; branch.is_torn && k < 8; ++k) tear += weights[k] * map_->tear[branch.nodes[k]];
   return tear < 0;
@@ -276,6 +276,8 @@ bool BranchTraversal::find_better(PointIndex base, const std::array<double, 8>& 
     if (k == present || !cells_.is_corner(k) || map_->nodes.is_ghost(candidates[k])) continue;
     Branch other;
     if (!derive(base, candidates[k], k, other) || !(cost(other) < least)) continue;
+    // Ghosts agree with every branch, so one that has ended there would seem the best.
+    if (has_ended(other, weights)) continue;
     least = cost(other);
     branch = other;
     found = true;

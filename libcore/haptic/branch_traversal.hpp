@@ -92,7 +92,7 @@ class BranchTraversal final : public Traversal {
   void enter_nearest(const std::array<double, 8>& weights, std::span<const double> row,
                      double least, StepResult& result) noexcept;
   void find_candidates() noexcept;
-  bool has_ended(const Branch& branch) const noexcept;
+  bool has_ended(const Branch& branch, const std::array<double, 8>& weights) const noexcept;
   double tear(const std::array<double, 8>& weights) const noexcept;
   void keep_state(const std::array<const double*, 8>& before, const std::array<double, 8>& weights,
                   const std::array<const double*, 8>& after) noexcept;
