@@ -4,13 +4,19 @@
 HAPGRID_BUILD=$(realpath "${1:-build}")
 source "$(dirname "${BASH_SOURCE[0]}")/../cli/lib.sh"
 
-# compute NAME MODEL POINTS_OF_THE_LONGEST_SIDE OPTION_OF_SEED...: the model's own box with another spacing.
-compute() {
-  local spacing counts scaled
-  spacing=$(seed "$2" | stats --get box.spacing) counts=$(seed "$2" | stats --get box.counts | tr -d '[]')
-  scaled=$(awk -v counts="$counts" -v points="$3" -v spacing="$spacing" 'BEGIN {
+# scaled MODEL POINTS_OF_THE_LONGEST_SIDE: the options of seed, a line each, that give the model's own box another spacing.
+scaled() {
+  local spacing counts
+  spacing=$(seed "$1" | stats --get box.spacing) counts=$(seed "$1" | stats --get box.counts | tr -d '[]')
+  awk -v counts="$counts" -v points="$2" -v spacing="$spacing" 'BEGIN {
     n = split(counts, c, ","); m = c[1]; for (i in c) if (c[i] + 0 > m) m = c[i] + 0
-    s = (m - 1) / (points - 1); printf "%.17g", spacing * s
-    for (i = 1; i <= n; ++i) printf "%s%d", (i > 1 ? "," : " "), int((c[i] - 1) / s + 1.5) }')
-  seed "$2" --set "grid.spacing=${scaled% *}" --set "grid.counts=[${scaled#* }]" "${@:4}" | expand --complete -j 2 -o "$1.grid"
+    s = (m - 1) / (points - 1); printf "--set=grid.spacing=%.17g\n--set=grid.counts=[", spacing * s
+    for (i = 1; i <= n; ++i) printf "%s%d", (i > 1 ? "," : ""), int((c[i] - 1) / s + 1.5); print "]" }'
+}
+
+# compute NAME MODEL POINTS_OF_THE_LONGEST_SIDE OPTION_OF_SEED...: a grid of the model's own box with another spacing.
+compute() {
+  local options
+  mapfile -t options < <(scaled "$2" "$3")
+  seed "$2" "${options[@]}" "${@:4}" | expand --complete -j 2 -o "$1.grid"
 }
