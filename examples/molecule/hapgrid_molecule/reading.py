@@ -12,9 +12,9 @@ from rdkit.Chem import rdMolDescriptors
 from . import molecule as prepared
 from . import building, confined, formats, geometry, valences, xyz
 from .elements import MASSES, SYMBOLS
+from .formats import MOST_ATOMS, check_count
 from .molecule import BadInput, Molecule, is_flat, numbers_of, places_of, signed
 
-MOST_ATOMS = 100
 LEAST_DISTANCE = 0.5  # angstrom
 METALS = {3, 4, 11, 12, 13, *range(19, 32), *range(37, 51), *range(55, 85), *range(87, 104)}
 MOST_PIECES = 8  # of a record in which no piece is half of it: more are no molecules, but noise
@@ -121,7 +121,7 @@ def _refuse_no_coordinates(given, record):
     if given.kind != "smi" and record.mol.GetNumBonds() == 0 and len(x) > 1 and (x == 0).all():
         raise BadInput(f"{what}: no coordinates and no bonds: give a file that has them, or --smiles")
     if given.kind == "xyz":
-        _check_count(len(x), what, 10 * MOST_ATOMS)
+        check_count(len(x), what, 10 * MOST_ATOMS)
         record.mol = formats.with_bonds(numbers, x)
         if is_flat(x) and (len(Chem.GetMolFrags(record.mol)) > 1 or _is_bulky(record.mol)):
             raise BadInput(f"{what}: flat, and XYZ has no bonds to build a shape from: give an SDF file or --smiles")
@@ -180,7 +180,7 @@ def _is_bulky(mol):
 def _completed(given, record, charge, unpaired):
     """(the molecule with all hydrogens and a shape, whether that was built)."""
     what, mol, x = given.what, record.mol, places_of(record.mol)
-    _check_count(_size(mol), what)
+    check_count(_size(mol), what)
     if given.kind == "xyz" and unpaired is None and charge is None:
         _refuse_without_hydrogen(mol, what)
     if given.kind in ("pdb", "mol2") or given.kind == "sdf" and record.known and not is_flat(x):
@@ -244,7 +244,8 @@ def _add_no_hydrogen_to_the_whole(mol, given, charge, unpaired):
     lack = {a.GetIdx(): a.GetNumExplicitHs() for a in mol.GetAtoms() if a.GetNumExplicitHs()}
     if len(mol.GetSubstructMatches(CARBON_HYDROGEN, maxMatches=10000)) < len(lack):
         # Open Babel does not see all double bonds of a PDB file, but their lengths tell them.
-        return mol if given.kind != "pdb" else valences.assigned(mol, Chem.GetFormalCharge(mol), 0, True, True)[0] or mol
+        total = Chem.GetFormalCharge(mol) if charge is None else charge
+        return mol if given.kind != "pdb" else valences.assigned(mol, total, 0, True, True)[0] or mol
     bare = Chem.Mol(mol)
     for n in lack:
         bare.GetAtomWithIdx(n).SetNumExplicitHs(0)
@@ -262,16 +263,8 @@ def _add_no_hydrogen_to_the_whole(mol, given, charge, unpaired):
                    "hydrogens, which are then added")
 
 
-def _check_count(count, what, most=MOST_ATOMS):
-    if count > most:
-        raise BadInput(f"{what}: {count} atoms, at most {MOST_ATOMS} are feasible: cut out the part that "
-                       "matters, and close it with hydrogen")
-    if count < 2:
-        raise BadInput(f"{what}: a single atom has no shape to feel")
-
-
 def _check(x, what, most=MOST_ATOMS):
-    _check_count(len(x), what, most)
+    check_count(len(x), what, most)
     if not np.isfinite(x).all():
         raise BadInput(f"{what}: a coordinate is not a finite number")
     distance = np.linalg.norm(x[:, None] - x[None], axis=2) + 9 * np.eye(len(x))
