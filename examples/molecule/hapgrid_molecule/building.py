@@ -8,6 +8,7 @@ chains.
 import numpy as np
 
 from . import geometry
+from .elements import COVALENT
 from .molecule import BadInput, is_flat, neighbours_of, numbers_of, places_of, relaxed
 from rdkit import Chem
 from rdkit.Chem import rdDistGeom
@@ -80,6 +81,9 @@ def _embedded(mol):
     options = rdDistGeom.ETKDGv3()
     options.randomSeed = SEED
     options.useSmallRingTorsions = True
+    crowded = [a for a in one.GetAtoms() if a.GetDegree() > 4]
+    if crowded:
+        options.SetBoundsMat(_bounds(one, crowded))
     few = one.GetNumAtoms() > SMALL_RINGS or not one.GetRingInfo().NumRings()
     # A handedness that no shape can have would be tried for hours.
     # Aromatic rings that are bent need the last way, which knows of no flat ones.
@@ -91,3 +95,16 @@ def _embedded(mol):
         if found:
             return [one.GetConformer(n).GetPositions() for n in found]
     return []
+
+
+def _bounds(mol, crowded):
+    """Bounds of distances, above and below the diagonal, angstrom. RDKit's leave no place for six fluorine atoms at sulphur.
+    crowded: atoms with more than four neighbours."""
+    bounds = rdDistGeom.GetMoleculeBoundsMatrix(mol)
+    for atom in crowded:
+        at, near = atom.GetIdx(), sorted(n.GetIdx() for n in atom.GetNeighbors())
+        for k, one in enumerate(near):
+            length = COVALENT[atom.GetAtomicNum()] + COVALENT[mol.GetAtomWithIdx(one).GetAtomicNum()]
+            bounds[min(at, one), max(at, one)], bounds[max(at, one), min(at, one)] = length, 0.95 * length
+            bounds[one, near[k + 1:]], bounds[near[k + 1:], one] = 2 * length, 1.3 * length
+    return bounds

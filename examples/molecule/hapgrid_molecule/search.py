@@ -60,8 +60,6 @@ class Search:
     def find_conformation(self, keep):
         """Sets rest, its x and energy, and the surface. keep: relax the molecule's shape to the nearest minimum instead of
         looking for the lowest one."""
-        if self.start.options.solvent is not None:
-            self.start.surface(self.molecule.positions / BOHR)  # a solvent that xtb does not know is an error of its own
         shapes = [] if self.start.options.keep_conformation else [x for _, x in self.shapes]
         turning = [t.atoms for t in self.driven if not t.rotor and not keep]
         one = self._take([Point], ["conformation", self.molecule.positions.tolist(), keep, turning, plain(shapes)],

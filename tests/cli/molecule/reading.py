@@ -150,7 +150,7 @@ def build():
             ("c1cccc1", "not understood: its aromatic rings have no alternating bonds: mark the hydrogen of a nitrogen, as in "
              "[nH], or write single and double bonds"),
             ("[CH2]", "open valences of C1: write the hydrogen that is missing, or give --uhf: 0 for a singlet, 2 for a triplet"),
-            ("FS(F)(F)(F)(F)F", "no shape could be built: is its handedness possible? Otherwise give a file with a shape"),
+            ("F[C@]12C[C@@](F)(C1)C2", "no shape could be built: is its handedness possible? Otherwise give a file with a shape"),
             ("CC)", "not understood"), ("C C", "not understood")):
         try:
             reading.read(None, smiles)
@@ -158,8 +158,8 @@ def build():
         except BadInput as got:
             assert str(got) == f"SMILES '{smiles}': {why}", got
     assert reading.read(None, "[CH2]", unpaired=2).unpaired == 2
-    # What MMFF94 has no parameters for, what has nothing to search, and five bonds.
-    for smiles in ("C[Se]C", "OB(O)c1ccccc1", "[H][H]", "FP(F)(F)(F)F"):
+    # What MMFF94 has no parameters for, what has nothing to search, and five bonds or six.
+    for smiles in ("C[Se]C", "OB(O)c1ccccc1", "[H][H]", "FP(F)(F)(F)F", "FS(F)(F)(F)(F)F", "FI(F)(F)(F)F", "F[P-](F)(F)(F)(F)F"):
         assert is_sound(reading.read(None, smiles)), smiles
     two = reading.read(None, "CC(O)CN")
     assert two.said == ["the handedness of C2 is not given: one is taken"], two.said
