@@ -9,7 +9,7 @@ import numpy as np
 
 from . import geometry
 from .elements import COVALENT
-from .molecule import BadInput, is_flat, neighbours_of, numbers_of, places_of, relaxed
+from .molecule import BadInput, is_flat, neighbours_of, numbers_of, placed, places_of, relaxed
 from rdkit import Chem
 from rdkit.Chem import rdDistGeom
 
@@ -49,15 +49,11 @@ def understood(mol, what, forced):
     return one
 
 
-def with_hydrogens(mol, placed):
-    """All hydrogens as atoms, those that were added relaxed while the others stay."""
+def with_hydrogens(mol, shaped):
+    """All hydrogens as atoms, those that were added relaxed while the others stay. shaped: whether it has a shape."""
     count = mol.GetNumAtoms()
-    one = Chem.AddHs(mol, addCoords=placed)
-    if placed and one.GetNumAtoms() > count:
-        _, x = relaxed(one, places_of(one), STEPS, range(count))
-        for n in range(count, len(x)):
-            one.GetConformer().SetAtomPosition(n, x[n].tolist())
-    return one
+    one = Chem.AddHs(mol, addCoords=shaped)
+    return placed(one, relaxed(one, places_of(one), STEPS, range(count))[1]) if shaped and one.GetNumAtoms() > count else one
 
 
 def shape(mol, what):
@@ -102,9 +98,10 @@ def _bounds(mol, crowded):
     crowded: atoms with more than four neighbours."""
     bounds = rdDistGeom.GetMoleculeBoundsMatrix(mol)
     for atom in crowded:
-        at, near = atom.GetIdx(), sorted(n.GetIdx() for n in atom.GetNeighbors())
+        near = sorted(atom.GetNeighbors(), key=lambda n: n.GetIdx())
         for k, one in enumerate(near):
-            length = COVALENT[atom.GetAtomicNum()] + COVALENT[mol.GetAtomWithIdx(one).GetAtomicNum()]
-            bounds[min(at, one), max(at, one)], bounds[max(at, one), min(at, one)] = length, 0.95 * length
-            bounds[one, near[k + 1:]], bounds[near[k + 1:], one] = 2 * length, 1.3 * length
+            length = COVALENT[atom.GetAtomicNum()] + COVALENT[one.GetAtomicNum()]
+            for other, low, high in [(atom, 0.95, 1), *((other, 1.3, 2) for other in near[:k])]:
+                a, b = sorted((one.GetIdx(), other.GetIdx()))
+                bounds[a, b], bounds[b, a] = high * length, low * length
     return bounds

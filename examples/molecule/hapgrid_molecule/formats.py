@@ -90,10 +90,8 @@ def read(text, what, kind):
 
 def smiles(text):
     given = Input(f"SMILES '{text}'", "smi")
-    parameters = Chem.SmilesParserParams()
-    parameters.sanitize = parameters.removeHs = False
     # A second word would be read as a name.
-    mol = Chem.MolFromSmiles(text, parameters) if re.fullmatch(r"\S+", text) else None
+    mol = Chem.MolFromSmiles(text, sanitize=False) if re.fullmatch(r"\S+", text) else None
     if mol is None or mol.GetNumAtoms() == 0:
         raise BadInput(f"{given.what}: not understood")
     given.records.append(Record(mol))
@@ -196,13 +194,12 @@ def lowest_first(frames):
 # right-aligned in 12-13 but for hydrogens whose name has four letters; 16 the alternate location, 17-19 the residue, 21-26
 # its place, 54-59 the occupancy, 76-77 the element, 78-79 the charge.
 
-def _is_pdb_atom(line):
-    return line.startswith(("ATOM  ", "HETATM"))
+PDB_ATOM = ("ATOM  ", "HETATM")
 
 
 def _without_alternates(lines, say):
     """In each residue the alternate location of highest occupancy stays, of equal ones the first."""
-    named = {line for line in lines if _is_pdb_atom(line) and line[16:17].strip()}
+    named = {line for line in lines if line.startswith(PDB_ATOM) and line[16:17].strip()}
     found = {}
     for line in filter(named.__contains__, lines):
         occupancy = float(line[54:60]) if re.fullmatch(r"\s*\d*\.?\d+\s*", line[54:60]) else 1.0
@@ -220,7 +217,7 @@ def _without_alternates(lines, say):
 
 def _with_element(line):
     """With its element in the columns for it, wherever the line has it."""
-    if not _is_pdb_atom(line):
+    if not line.startswith(PDB_ATOM):
         return line
     line = f"{line:<80}"
     name, element = line[12:16].upper(), line[76:78].strip().upper()
@@ -287,7 +284,6 @@ def _from_babel(openbabel, ob):
     for from_, atom in zip(atoms, mol.GetAtoms()):
         if from_.GetExplicitDegree() > 0 or from_.GetAtomicNum() not in ION_CHARGES:
             atom.SetNumExplicitHs(from_.GetImplicitHCount())
-    for atom in mol.GetAtoms():
-        if atom.GetDegree() == 0 and atom.GetTotalNumHs() == 0 and atom.GetFormalCharge() == 0:
-            atom.SetFormalCharge(ION_CHARGES.get(atom.GetAtomicNum(), 0))
+        elif atom.GetFormalCharge() == 0:
+            atom.SetFormalCharge(ION_CHARGES[atom.GetAtomicNum()])
     return placed(mol, [(a.GetX(), a.GetY(), a.GetZ()) for a in atoms])
