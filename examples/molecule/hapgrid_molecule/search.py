@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 from hapgrid_command.files import Failed
-from hapgrid_command.programs import end_with_parent
+from hapgrid_command.programs import end_with_parent, raise_if_stopped
 
 from . import beyond, ensemble, geometry, optimise, path, rotors, torsions
 from .molecule import conformers
@@ -45,6 +45,7 @@ class Search:
         tell = self.start.folder.counted(what, len(values))
         threads = min(self.start.options.threads, len(values))
         with multiprocessing.get_context("fork").Pool(threads, end_with_parent) as pool:
+            raise_if_stopped()
             for done, result in enumerate(pool.imap(_ask, [(method, value) for value in values]), 1):
                 tell(done)
                 yield values[done - 1], result
