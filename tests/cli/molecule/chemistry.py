@@ -214,6 +214,6 @@ os.register_at_fork(after_in_parent=lambda: os.kill(os.getpid(), signal.SIGTERM)
 folder = SimpleNamespace(counted=lambda what, count: print)
 asked = SimpleNamespace(start=SimpleNamespace(folder=folder, options=SimpleNamespace(threads=1)))
 try:
-    raise AssertionError(list(search.Search.each(asked, "asking", lambda _, value: value, [1])))
+    raise AssertionError(list(search.Search.each(asked, "asking", hasattr, ["start"])))
 except programs.Stopped as by:
     assert by.number == signal.SIGTERM, by
