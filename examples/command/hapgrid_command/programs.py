@@ -6,6 +6,7 @@ import os
 import shutil
 import signal
 import subprocess
+import sys
 import time
 from typing import NamedTuple
 
@@ -43,6 +44,8 @@ def catch_signals():
     for number in ENDING:
         if signal.getsignal(number) != signal.SIG_IGN:  # as nohup wants it
             signal.signal(number, _stop)
+    # Nothing can stop what Python calls after a fork: see raise_if_stopped().
+    sys.unraisablehook = lambda what: isinstance(what.exc_value, Stopped) or sys.__unraisablehook__(what)
 
 
 def _stop(number, _frame):
@@ -52,6 +55,12 @@ def _stop(number, _frame):
     for process in list(_running):
         process.terminate()
     raise Stopped(number)
+
+
+def raise_if_stopped():
+    """For what has forked a process: a signal that came meanwhile is lost in what Python calls after that."""
+    if _stopped_by:
+        raise Stopped(_stopped_by)
 
 
 def end_with_parent():
@@ -68,8 +77,7 @@ def run_program(words, directory, watch=None):
     while it works. Errors: FileNotFoundError"""
     if shutil.which(words[0]) is None:
         raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), words[0])
-    if _stopped_by:
-        raise Stopped(_stopped_by)
+    raise_if_stopped()
     # Where this process is killed, the system asks the program to end.
     process = subprocess.Popen(["setpriv", "--pdeathsig", "TERM", "--", *words], cwd=directory, text=True,
                                encoding="utf-8", errors="replace", stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
@@ -92,7 +100,6 @@ def run_program(words, directory, watch=None):
             raise
         finally:
             _running.discard(process)
-    if _stopped_by:
-        raise Stopped(_stopped_by)
+    raise_if_stopped()
     lines = said.strip().splitlines() or out.strip().splitlines() or [""]
     return Ran(out, process.returncode, lines[-1])

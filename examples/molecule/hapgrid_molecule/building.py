@@ -8,7 +8,8 @@ chains.
 import numpy as np
 
 from . import geometry
-from .molecule import BadInput, is_flat, neighbours_of, numbers_of, places_of, relaxed
+from .elements import COVALENT
+from .molecule import BadInput, is_flat, neighbours_of, numbers_of, placed, places_of, relaxed
 from rdkit import Chem
 from rdkit.Chem import rdDistGeom
 
@@ -48,15 +49,11 @@ def understood(mol, what, forced):
     return one
 
 
-def with_hydrogens(mol, placed):
-    """All hydrogens as atoms, those that were added relaxed while the others stay."""
+def with_hydrogens(mol, shaped):
+    """All hydrogens as atoms, those that were added relaxed while the others stay. shaped: whether it has a shape."""
     count = mol.GetNumAtoms()
-    one = Chem.AddHs(mol, addCoords=placed)
-    if placed and one.GetNumAtoms() > count:
-        _, x = relaxed(one, places_of(one), STEPS, range(count))
-        for n in range(count, len(x)):
-            one.GetConformer().SetAtomPosition(n, x[n].tolist())
-    return one
+    one = Chem.AddHs(mol, addCoords=shaped)
+    return placed(one, relaxed(one, places_of(one), STEPS, range(count))[1]) if shaped and one.GetNumAtoms() > count else one
 
 
 def shape(mol, what):
@@ -80,6 +77,9 @@ def _embedded(mol):
     options = rdDistGeom.ETKDGv3()
     options.randomSeed = SEED
     options.useSmallRingTorsions = True
+    crowded = [a for a in one.GetAtoms() if a.GetDegree() > 4]
+    if crowded:
+        options.SetBoundsMat(_bounds(one, crowded))
     few = one.GetNumAtoms() > SMALL_RINGS or not one.GetRingInfo().NumRings()
     # A handedness that no shape can have would be tried for hours.
     # Aromatic rings that are bent need the last way, which knows of no flat ones.
@@ -91,3 +91,17 @@ def _embedded(mol):
         if found:
             return [one.GetConformer(n).GetPositions() for n in found]
     return []
+
+
+def _bounds(mol, crowded):
+    """Bounds of distances, above and below the diagonal, angstrom. RDKit's leave no place for six fluorine atoms at sulphur.
+    crowded: atoms with more than four neighbours."""
+    bounds = rdDistGeom.GetMoleculeBoundsMatrix(mol)
+    for atom in crowded:
+        near = sorted(atom.GetNeighbors(), key=lambda n: n.GetIdx())
+        for k, one in enumerate(near):
+            length = COVALENT[atom.GetAtomicNum()] + COVALENT[one.GetAtomicNum()]
+            for other, low, high in [(atom, 0.95, 1), *((other, 1.3, 2) for other in near[:k])]:
+                a, b = sorted((one.GetIdx(), other.GetIdx()))
+                bounds[a, b], bounds[b, a] = high * length, low * length
+    return bounds

@@ -16,6 +16,7 @@ from .molecule import BadInput, is_flat, numbers_of, placed, places_of, unsaniti
 
 KINDS = {"sdf": "sdf", "mol": "sdf", "xyz": "xyz", "mol2": "mol2", "pdb": "pdb", "ent": "pdb"}
 MOST_RECORDS = 1000
+MOST_ATOMS = 100
 MOST_CHARGE = 9
 AMINO_ACIDS = set("ALA ARG ASN ASP CYS GLN GLU GLY HIS ILE LEU LYS MET PHE PRO SER THR TRP TYR VAL ACE NME".split())
 # Atoms that stand alone in structures of proteins and salts.
@@ -80,7 +81,7 @@ def read(text, what, kind):
     else:
         if kind == "pdb":
             text = "\n".join(map(_with_element, _without_alternates(text.split("\n"), given.say)))
-        for mol in _babel(text, kind, given.say):
+        for mol in _babel(text, given):
             given.add(Record(mol, known=kind == "mol2"))
     if not given.records:
         raise BadInput(f"{what}: not understood as {kind.upper()}")
@@ -89,10 +90,8 @@ def read(text, what, kind):
 
 def smiles(text):
     given = Input(f"SMILES '{text}'", "smi")
-    parameters = Chem.SmilesParserParams()
-    parameters.sanitize = parameters.removeHs = False
     # A second word would be read as a name.
-    mol = Chem.MolFromSmiles(text, parameters) if re.fullmatch(r"\S+", text) else None
+    mol = Chem.MolFromSmiles(text, sanitize=False) if re.fullmatch(r"\S+", text) else None
     if mol is None or mol.GetNumAtoms() == 0:
         raise BadInput(f"{given.what}: not understood")
     given.records.append(Record(mol))
@@ -195,13 +194,12 @@ def lowest_first(frames):
 # right-aligned in 12-13 but for hydrogens whose name has four letters; 16 the alternate location, 17-19 the residue, 21-26
 # its place, 54-59 the occupancy, 76-77 the element, 78-79 the charge.
 
-def _is_pdb_atom(line):
-    return line.startswith(("ATOM  ", "HETATM"))
+PDB_ATOM = ("ATOM  ", "HETATM")
 
 
 def _without_alternates(lines, say):
     """In each residue the alternate location of highest occupancy stays, of equal ones the first."""
-    named = {line for line in lines if _is_pdb_atom(line) and line[16:17].strip()}
+    named = {line for line in lines if line.startswith(PDB_ATOM) and line[16:17].strip()}
     found = {}
     for line in filter(named.__contains__, lines):
         occupancy = float(line[54:60]) if re.fullmatch(r"\s*\d*\.?\d+\s*", line[54:60]) else 1.0
@@ -219,7 +217,7 @@ def _without_alternates(lines, say):
 
 def _with_element(line):
     """With its element in the columns for it, wherever the line has it."""
-    if not _is_pdb_atom(line):
+    if not line.startswith(PDB_ATOM):
         return line
     line = f"{line:<80}"
     name, element = line[12:16].upper(), line[76:78].strip().upper()
@@ -239,25 +237,40 @@ def with_bonds(numbers, x):
     return placed(unsanitized(numbers, [0] * len(x), [(j, k, 1) for j, some in enumerate(near) for k in some if j < k]), x)
 
 
-def _babel(text, kind, say):
-    """RDKit's molecules of the records that Open Babel reads. say: what tells that lone pairs were left out."""
+def check_count(count, what, most=MOST_ATOMS):
+    if count > most:
+        raise BadInput(f"{what}: {count} atoms, at most {MOST_ATOMS} are feasible: cut out the part that "
+                       "matters, and close it with hydrogen")
+    if count < 2:
+        raise BadInput(f"{what}: a single atom has no shape to feel")
+
+
+def _babel(text, given):
+    """RDKit's molecules of the records that Open Babel reads. It would look for the bonds of a large molecule for minutes."""
     try:
         from openbabel import openbabel
     except ImportError:
         raise BadInput("Open Babel not found: install the Debian package python3-openbabel") from None
     openbabel.obErrorLog.SetOutputLevel(-1)
     conversion, ob = openbabel.OBConversion(), openbabel.OBMol()
-    conversion.SetInFormat(kind)
+    conversion.SetInFormat(given.kind)
+    conversion.AddOption("b", conversion.INOPTIONS)  # bonds are found below
     more = conversion.ReadString(ob, text)
     while more and ob.NumAtoms():
-        dummies = [atom for atom in openbabel.OBMolAtomIter(ob) if kind == "mol2" and atom.GetType().upper() in ("LP", "DU")]
+        atoms = list(openbabel.OBMolAtomIter(ob))
+        if given.kind == "pdb":
+            check_count(len(atoms), given.what, 40 * MOST_ATOMS)
+            near = with_bonds([a.GetAtomicNum() for a in atoms], np.array([(a.GetX(), a.GetY(), a.GetZ()) for a in atoms]))
+            check_count(max(2, *map(len, Chem.GetMolFrags(near))), given.what)
+            ob.ConnectTheDots()
+            ob.PerceiveBondOrders()
+        dummies = [atom for atom in atoms if given.kind == "mol2" and atom.GetType().upper() in ("LP", "DU")]
         if dummies:
-            say(f"{len(dummies)} lone pairs or dummy atoms are left out")
+            given.say(f"{len(dummies)} lone pairs or dummy atoms are left out")
         for dummy in dummies:
-            near = list(openbabel.OBAtomAtomIter(dummy))
             ob.DeleteAtom(dummy)
-            for atom in near:
-                openbabel.OBAtomAssignTypicalImplicitHydrogens(atom)
+        for atom in openbabel.OBMolAtomIter(ob):
+            openbabel.OBAtomAssignTypicalImplicitHydrogens(atom)
         yield _from_babel(openbabel, ob)
         ob = openbabel.OBMol()
         more = conversion.Read(ob)
@@ -271,7 +284,6 @@ def _from_babel(openbabel, ob):
     for from_, atom in zip(atoms, mol.GetAtoms()):
         if from_.GetExplicitDegree() > 0 or from_.GetAtomicNum() not in ION_CHARGES:
             atom.SetNumExplicitHs(from_.GetImplicitHCount())
-    for atom in mol.GetAtoms():
-        if atom.GetDegree() == 0 and atom.GetTotalNumHs() == 0 and atom.GetFormalCharge() == 0:
-            atom.SetFormalCharge(ION_CHARGES.get(atom.GetAtomicNum(), 0))
+        elif atom.GetFormalCharge() == 0:
+            atom.SetFormalCharge(ION_CHARGES[atom.GetAtomicNum()])
     return placed(mol, [(a.GetX(), a.GetY(), a.GetZ()) for a in atoms])

@@ -12,14 +12,15 @@ from rdkit.Chem import rdMolDescriptors
 from . import molecule as prepared
 from . import building, confined, formats, geometry, valences, xyz
 from .elements import MASSES, SYMBOLS
+from .formats import MOST_ATOMS, check_count
 from .molecule import BadInput, Molecule, is_flat, numbers_of, places_of, signed
 
-MOST_ATOMS = 100
 LEAST_DISTANCE = 0.5  # angstrom
 METALS = {3, 4, 11, 12, 13, *range(19, 32), *range(37, 51), *range(55, 85), *range(87, 104)}
 MOST_PIECES = 8  # of a record in which no piece is half of it: more are no molecules, but noise
 TRIPLE = 0.85  # of the sum of the covalent radii: a carbon whose only bond is longer has no triple bond
-CHARGED, CARBON_HYDROGEN = map(Chem.MolFromSmarts, ("[C+,C-]", "[#1]~[#6]"))
+# The last has too many neighbours to lie in a plane with them.
+CHARGED, CARBON_HYDROGEN, BULKY = map(Chem.MolFromSmarts, ("[C+,C-]", "[#1]~[#6]", "[D{4-}]"))
 NAMED = 4
 
 
@@ -121,9 +122,9 @@ def _refuse_no_coordinates(given, record):
     if given.kind != "smi" and record.mol.GetNumBonds() == 0 and len(x) > 1 and (x == 0).all():
         raise BadInput(f"{what}: no coordinates and no bonds: give a file that has them, or --smiles")
     if given.kind == "xyz":
-        _check_count(len(x), what, 10 * MOST_ATOMS)
+        check_count(len(x), what, 10 * MOST_ATOMS)
         record.mol = formats.with_bonds(numbers, x)
-        if is_flat(x) and (len(Chem.GetMolFrags(record.mol)) > 1 or _is_bulky(record.mol)):
+        if is_flat(x) and (len(Chem.GetMolFrags(record.mol)) > 1 or record.mol.HasSubstructMatch(BULKY)):
             raise BadInput(f"{what}: flat, and XYZ has no bonds to build a shape from: give an SDF file or --smiles")
         _check(x, what, 10 * MOST_ATOMS)
 
@@ -143,9 +144,9 @@ def _largest(given):
             parts += [replace(record, mol=mol, charge=None, unpaired=None) for mol in some]
     for part in parts:
         part.mol.UpdatePropertyCache(strict=False)  # counts the hydrogens that are not written
-    one = max(parts, key=lambda p: (p.mol.GetNumHeavyAtoms(), _size(p.mol)))  # the first of equal ones
+    one = max(parts, key=lambda p: (p.mol.GetNumHeavyAtoms(), p.mol.GetNumAtoms(onlyExplicit=False)))  # the first of equal ones
     others = [p for p in parts if p is not one]
-    if _size(one.mol) == 1 and others:
+    if one.mol.GetNumAtoms(onlyExplicit=False) == 1 and others:
         raise BadInput(f"{given.what}: only single atoms or ions, {_counted(parts)}: none has a shape to feel: "
                        "give a molecule with bonds")
     if others:
@@ -159,11 +160,6 @@ def _largest(given):
     return one
 
 
-def _size(mol):
-    """Atoms, with the hydrogens that are not written."""
-    return sum(1 + a.GetTotalNumHs() for a in mol.GetAtoms())
-
-
 def _counted(parts):
     """C2H6O, 2 of Na+ with charge +1"""
     counts = Counter((rdMolDescriptors.CalcMolFormula(p.mol), Chem.GetFormalCharge(p.mol)) for p in parts)
@@ -172,25 +168,21 @@ def _counted(parts):
     return ", ".join(words[:NAMED]) + (f" and {len(words) - NAMED} more" if len(words) > NAMED else "")
 
 
-def _is_bulky(mol):
-    """Whether an atom has too many neighbours to lie in a plane with them."""
-    return any(a.GetDegree() > 3 for a in mol.GetAtoms())
-
-
 def _completed(given, record, charge, unpaired):
     """(the molecule with all hydrogens and a shape, whether that was built)."""
     what, mol, x = given.what, record.mol, places_of(record.mol)
-    _check_count(_size(mol), what)
+    check_count(mol.GetNumAtoms(onlyExplicit=False), what)
     if given.kind == "xyz" and unpaired is None and charge is None:
         _refuse_without_hydrogen(mol, what)
     if given.kind in ("pdb", "mol2") or given.kind == "sdf" and record.known and not is_flat(x):
         mol = _add_no_hydrogen_to_the_whole(mol, given, charge, unpaired)
     if given.kind != "smi" or charge is not None:
         Chem.SanitizeMol(mol, Chem.SANITIZE_KEKULIZE, catchErrors=True)
-        mol = valences.closed(mol, what, charge, unpaired, not record.known and _size(mol) == mol.GetNumAtoms())
+        mol = valences.closed(mol, what, charge, unpaired, not record.known and all(
+            a.GetTotalNumHs() == 0 for a in mol.GetAtoms()))
     mol = building.understood(mol, what, given.kind == "xyz" or charge is not None or unpaired is not None)
     nowhere = np.ptp(x, axis=0).max() < 0.1 and len(x) > 1
-    added = _size(mol) - mol.GetNumAtoms()
+    added = mol.GetNumAtoms(onlyExplicit=False) - mol.GetNumAtoms()
     if given.kind == "smi":
         free = {a.GetIdx(): a.GetNumRadicalElectrons() for a in mol.GetAtoms() if a.GetNumRadicalElectrons()}
         if unpaired is None and free and sum(free.values()) % 2 == 0:  # the number of electrons does not tell it
@@ -200,7 +192,7 @@ def _completed(given, record, charge, unpaired):
     share = geometry.shares(numbers_of(mol), x)
     # Bonds are shorter or longer than any in a drawing, also where that says it is none.
     drawn = record.drawing or not all(0.75 < share[b.GetBeginAtomIdx(), b.GetEndAtomIdx()] < 1.35 for b in mol.GetBonds())
-    flat = is_flat(x) and (added > 0 or drawn or _is_bulky(mol))
+    flat = is_flat(x) and (added > 0 or drawn or mol.HasSubstructMatch(BULKY))
     if added:
         given.say(f"{added} hydrogen atoms were added" if added > 1 else "1 hydrogen atom was added")
     if not nowhere and not flat:
@@ -244,7 +236,8 @@ def _add_no_hydrogen_to_the_whole(mol, given, charge, unpaired):
     lack = {a.GetIdx(): a.GetNumExplicitHs() for a in mol.GetAtoms() if a.GetNumExplicitHs()}
     if len(mol.GetSubstructMatches(CARBON_HYDROGEN, maxMatches=10000)) < len(lack):
         # Open Babel does not see all double bonds of a PDB file, but their lengths tell them.
-        return mol if given.kind != "pdb" else valences.assigned(mol, Chem.GetFormalCharge(mol), 0, True, True)[0] or mol
+        total = Chem.GetFormalCharge(mol) if charge is None else charge
+        return mol if given.kind != "pdb" else valences.assigned(mol, total, 0, True, True)[0] or mol
     bare = Chem.Mol(mol)
     for n in lack:
         bare.GetAtomWithIdx(n).SetNumExplicitHs(0)
@@ -262,16 +255,8 @@ def _add_no_hydrogen_to_the_whole(mol, given, charge, unpaired):
                    "hydrogens, which are then added")
 
 
-def _check_count(count, what, most=MOST_ATOMS):
-    if count > most:
-        raise BadInput(f"{what}: {count} atoms, at most {MOST_ATOMS} are feasible: cut out the part that "
-                       "matters, and close it with hydrogen")
-    if count < 2:
-        raise BadInput(f"{what}: a single atom has no shape to feel")
-
-
 def _check(x, what, most=MOST_ATOMS):
-    _check_count(len(x), what, most)
+    check_count(len(x), what, most)
     if not np.isfinite(x).all():
         raise BadInput(f"{what}: a coordinate is not a finite number")
     distance = np.linalg.norm(x[:, None] - x[None], axis=2) + 9 * np.eye(len(x))

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 from hapgrid_command.files import Failed
-from hapgrid_command.programs import end_with_parent
+from hapgrid_command.programs import end_with_parent, raise_if_stopped
 
 from . import beyond, ensemble, geometry, optimise, path, rotors, torsions
 from .molecule import conformers
@@ -45,6 +45,7 @@ class Search:
         tell = self.start.folder.counted(what, len(values))
         threads = min(self.start.options.threads, len(values))
         with multiprocessing.get_context("fork").Pool(threads, end_with_parent) as pool:
+            raise_if_stopped()
             for done, result in enumerate(pool.imap(_ask, [(method, value) for value in values]), 1):
                 tell(done)
                 yield values[done - 1], result
@@ -60,8 +61,6 @@ class Search:
     def find_conformation(self, keep):
         """Sets rest, its x and energy, and the surface. keep: relax the molecule's shape to the nearest minimum instead of
         looking for the lowest one."""
-        if self.start.options.solvent is not None:
-            self.start.surface(self.molecule.positions / BOHR)  # a solvent that xtb does not know is an error of its own
         shapes = [] if self.start.options.keep_conformation else [x for _, x in self.shapes]
         turning = [t.atoms for t in self.driven if not t.rotor and not keep]
         one = self._take([Point], ["conformation", self.molecule.positions.tolist(), keep, turning, plain(shapes)],

@@ -26,9 +26,16 @@ FIVE = 3.0  # nitrogen's, as many programs write a nitro group; RDKit writes it 
 UNPAIRED = 4.0
 UNCLEAR = 1.0  # two charges whose costs differ by less are both named
 HYDROGEN = 0.005  # so that a bond is a double one where its length tells nothing
+# An atom with three neighbours and a hydrogen is half an angstrom above their plane, one without lies in it.
+HEIGHT, LIFTED = 0.22, 5.0  # half of that, and what it costs to be off by an angstrom
+WIDER = 0.035  # a degree by which the angle at a pyrrole's nitrogen is less than 106, as it is without a hydrogen
+OXIDE = 2.0  # a hydrogen on an oxygen whose bond to nitrogen is that of an N-oxide
+MORE = 0.3  # a hydrogen that Open Babel does not see, on carbon or oxygen
 # Lengths in units of the sum of the covalent radii, and what it costs to be off by one.
 LENGTHS, OFF = np.array([1.0, 0.87, 0.78]), 2.0
 STRAIGHT = np.radians(150)
+ACID = Chem.MolFromSmarts("[OD1]~[#7,#15,#16,$([#6](~[OD1])~[OD1])]")
+PYRROLE = Chem.MolFromSmarts("[#7D2]1~[#6]~[#6,#7]~[#6,#7]~[#6]1")  # as in porphine, whose bonds tell nothing
 SECONDS = 20
 NAMED = 6
 
@@ -59,23 +66,29 @@ def assigned(mol, charge, unpaired, free, loose=False):
     atoms, bonds = list(mol.GetAtoms()), list(mol.GetBonds())
     share = geometry.shares(numbers_of(mol), places_of(mol)) if free else None
     shape = [_shape(atom, places_of(mol)) if loose else "" for atom in atoms]
+    acids, pyrroles = ({match[0] for match in mol.GetSubstructMatches(one)} for one in (ACID, PYRROLE))
+    hydrogen = [_hydrogen_cost(atom, places_of(mol), pyrroles) if loose else HYDROGEN for atom in atoms]
     # Each choice is a state of an atom or an order of a bond: (its column of the equations, its cost, what is done with it).
     # Rows: each atom and each bond has one choice; bonds of an atom add up to its valence; charges; unpaired electrons; and where
     # hydrogens are open, carbon and nitrogen have one bond at most that is not single, unless they lie on a line.
-    def fits(n, order, q, hydrogens):
-        """Where hydrogens are open an atom on a line has none, and charges that the file does not give are on or beside such."""
-        line = any(shape[at] == "straight" for at in (n, *(near.GetIdx() for near in atoms[n].GetNeighbors())))
-        return (shape[n] != "straight" or (order, hydrogens) == (4, 0)) and (
-            q == atoms[n].GetFormalCharge() or line and hydrogens == 0)
+    other = charge != Chem.GetFormalCharge(mol)
+
+    def fits(n, z, order, q, hydrogens):
+        """Where hydrogens are open an atom on a line has none. Charges that the file does not give are without hydrogens on
+        nitrogen, on an acid's oxygen, or on or beside atoms on a line; another total charge is on any nitrogen or oxygen."""
+        near = any(shape[at] == "straight" for at in (n, *(one.GetIdx() for one in atoms[n].GetNeighbors())))
+        return (shape[n] != "straight" or (order, hydrogens) == (4, 0)) and (z, order) != (7, 5) and (
+            q == atoms[n].GetFormalCharge() or other and z in (7, 8) or hydrogens == 0 and (z == 7 or n in acids or near))
     choices, valence, total = [], len(atoms) + len(bonds), 2 * len(atoms) + len(bonds)
     for n, atom in enumerate(atoms):
-        most = atom.GetTotalNumHs()
+        most, z = atom.GetTotalNumHs(), atom.GetAtomicNum()
+        more = loose and (z in (6, 7) or z == 8 and all(near.GetAtomicNum() == 6 for near in atom.GetNeighbors()))
         for order, q, spins, cost in _states(atom, unpaired != 0):
-            for hydrogens in range(0 if loose else most, most + 1 + (loose and atom.GetAtomicNum() == 7)):
-                if loose and not fits(n, order, q, hydrogens):
-                    continue
-                choices.append(({n: 1, valence + n: hydrogens - order, total: q, total + 1: spins}, cost + HYDROGEN * hydrogens,
-                                lambda to, n=n, some=(q, spins, hydrogens): _set(to.GetAtomWithIdx(n), *some)))
+            for hydrogens in range(0 if loose else most, most + 1 + more):
+                if not loose or fits(n, z, order, q, hydrogens):
+                    cost_of_hydrogens = hydrogen[n] * hydrogens + MORE * (hydrogens > most and z != 7)
+                    choices.append(({n: 1, valence + n: hydrogens - order, total: q, total + 1: spins}, cost + cost_of_hydrogens,
+                                    lambda to, n=n, some=(q, spins, hydrogens): _set(to.GetAtomWithIdx(n), *some)))
     for n, bond in enumerate(bonds):
         a, b, order = bond.GetBeginAtomIdx(), bond.GetEndAtomIdx(), int(bond.GetBondTypeAsDouble())
         for taken in (1, 2, 3) if free and 1 not in (atoms[a].GetAtomicNum(), atoms[b].GetAtomicNum()) else (order,):
@@ -108,6 +121,18 @@ def _shape(atom, x):
     if atom.GetAtomicNum() not in (6, 7) or len(near) < 2:
         return ""
     return "straight" if len(near) == 2 and geometry.angle(x, near[0], atom.GetIdx(), near[1]) > STRAIGHT else "bent"
+
+
+def _hydrogen_cost(atom, x, pyrroles):
+    """What a hydrogen costs on an atom that the file has without, by the places of its neighbours. pyrroles: see PYRROLE."""
+    z, near = atom.GetAtomicNum(), [x[n.GetIdx()] - x[atom.GetIdx()] for n in atom.GetNeighbors()]
+    if z in (6, 7) and len(near) == 3:
+        a, b, c = near
+        return LIFTED * (HEIGHT - min(abs(a @ np.cross(b, c)) / np.linalg.norm(np.cross(b - a, c - a)), 2 * HEIGHT))
+    if atom.GetIdx() in pyrroles:
+        return WIDER * (106 - np.degrees(geometry.angle([near[0], np.zeros(3), near[1]], 0, 1, 2)))
+    short = [n.GetAtomicNum() for n in atom.GetNeighbors()] == [7] and np.linalg.norm(near[0]) < 1.34
+    return OXIDE if z == 8 and short else HYDROGEN
 
 
 def _set(atom, charge, radicals, hydrogens):

@@ -1,6 +1,8 @@
 """chemistry.py FOLDER: checks of FOLDER/hapgrid_molecule that need no grid: wave numbers, names of bonds and of paths."""
 
 import json
+import os
+import signal
 import sys
 from dataclasses import replace
 from types import SimpleNamespace
@@ -10,6 +12,7 @@ from hapgrid_molecule import geometry, optimise, reading, results, rotors, searc
 from hapgrid_molecule.molecule import relaxed
 from hapgrid_molecule.results import Dropped, Ends, Path, Point, Way
 from hapgrid_molecule.xtb import BOHR, HARTREE
+from hapgrid_command import programs
 import numpy as np
 
 
@@ -204,3 +207,13 @@ for one in (low, Ends(top, -1, low, low, True), Way([pair] * 4, [-1.5] * 4, 3, {
         wrong += [] if name == "why" else ["x"]
         for value in wrong:
             assert refused({**kept, name: value}), (one, name, value)
+
+# A signal that comes while processes are forked is not lost.
+programs.catch_signals()
+os.register_at_fork(after_in_parent=lambda: os.kill(os.getpid(), signal.SIGTERM))
+folder = SimpleNamespace(counted=lambda what, count: print)
+asked = SimpleNamespace(start=SimpleNamespace(folder=folder, options=SimpleNamespace(threads=1)))
+try:
+    raise AssertionError(list(search.Search.each(asked, "asking", hasattr, ["start"])))
+except programs.Stopped as by:
+    assert by.number == signal.SIGTERM, by

@@ -94,5 +94,5 @@ METHOD=(--gfnff --gbsa water)
 within "energy in water" "$(awk -v a="$(word wet/conformation.xyz 1 E)" -v b="$(xtb_energy wet/conformation.xyz 1)" \
   'BEGIN { print a - b }')" -0.00003 0.00003
 same "imaginary frequencies" 0 "$(awk -F'\t' '$1 == "conformation" { print $4 }' wet/report.tsv)"
-refuses "molecule: xtb: solvent beer of gfnff: .*" -- \
-  hapgrid molecule --smiles CO --method gfnff --solvent beer -o beer --until structures --quiet
+expect 2 '' "~molecule: argument --solvent: invalid choice: 'beer' .choose from 'acetone', .*, 'water'. .see --help." -- \
+  hapgrid molecule --smiles CO --solvent beer -o beer

@@ -73,6 +73,11 @@ CC=[N+](C)[O-] CN=[N+]([O-])C CS(C)(=N)=O [O-]C#N CN=C=S NC(N)=[NH2+] C[n+]1cc[n
 C[N+](C)(C)CC(=O)[O-] Cn1cnc2c1c(=O)n(C)c(=O)n2C CN(C)C(=S)[S-] CC(=O)N[O-] O=C1C=CC(=O)C=C1 C1=CC=CC=CC=C1 [BH4-]
 [NH3+]CC(=O)[O-] CS(C)=O FS(F)(F)F O=I(=O)c1ccccc1 C[P+](C)(C)C Cc1c[nH]c(=O)[nH]c1=O CC(=O)OO""".split()
 
+# Molecules that are told by their shape where a file has no hydrogens: phenprocoumon, nifedipine, chlordiazepoxide, betaine ...
+BARE = """Cc1c[nH]c2ccccc12 CCN=[N+]=[N-] CN(C)N=O Cc1ncc[nH]1 Cc1cc[nH]n1 CCC(c1ccccc1)c1c(O)oc2ccccc2c1=O
+COC(=O)C1=C(C)NC(C)=C(C(=O)OC)C1c1ccccc1[N+](=O)[O-] CNC1=Nc2ccc(Cl)cc2C(c2ccccc2)=[N+]([O-])C1 C[N+](C)(C)CC(=O)[O-]
+C[N+](C)(C)[O-] CC=[N+](C)[O-] CCO[N+](=O)[O-] CC(=O)N(C)O C[N+](C)(C)CCO C[NH+](C)C COP(=O)([O-])[O-]""".split()
+
 
 def forms(mol):
     """The SMILES of its resonance structures."""
@@ -95,13 +100,13 @@ def groups():
                 assert f"{one.charge:+d}" in str(why), f"{smiles}: {why}"
         two = reading.read(path, None, one.charge or None)
         assert two.charge == one.charge and forms(one.rd) & forms(two.rd), f"{smiles}: {Chem.MolToSmiles(two.rd)}"
-    # Without hydrogens, in a PDB file.
-    for smiles in ("Cc1c[nH]c2ccccc12", "CCN=[N+]=[N-]", "CN(C)N=O", "Cc1ncc[nH]1"):
+    # Without hydrogens, in a PDB file, and an ion with its charge.
+    for smiles in BARE:
         one = reading.read(None, smiles)
         rows = [f"HETATM{n:5} {SYMBOLS[z]:>2}   LIG A   1    {x:8.3f}{y:8.3f}{w:8.3f}  1.00  0.00          {SYMBOLS[z]:>2}\n"
                 for n, (z, (x, y, w)) in enumerate(zip(one.numbers, one.positions), 1) if z > 1]
         open(path.replace(".xyz", ".pdb"), "w").write("".join(rows))
-        two = reading.read(path.replace(".xyz", ".pdb"), None)
+        two = reading.read(path.replace(".xyz", ".pdb"), None, one.charge or None)
         assert Chem.MolToSmiles(Chem.RemoveHs(two.rd)) == Chem.MolToSmiles(Chem.RemoveHs(one.rd)), smiles
     # Two whose shape RDKit cannot build, a square pyramid and a T.
     for formula, rows in (("F5I", "6\n\nI 0 0 0\nF 0 0 1.84\nF 1.87 0 -0.2\nF -1.87 0 -0.2\nF 0 1.87 -0.2\nF 0 -1.87 -0.2\n"),
@@ -145,7 +150,7 @@ def build():
             ("c1cccc1", "not understood: its aromatic rings have no alternating bonds: mark the hydrogen of a nitrogen, as in "
              "[nH], or write single and double bonds"),
             ("[CH2]", "open valences of C1: write the hydrogen that is missing, or give --uhf: 0 for a singlet, 2 for a triplet"),
-            ("FS(F)(F)(F)(F)F", "no shape could be built: is its handedness possible? Otherwise give a file with a shape"),
+            ("F[C@]12C[C@@](F)(C1)C2", "no shape could be built: is its handedness possible? Otherwise give a file with a shape"),
             ("CC)", "not understood"), ("C C", "not understood")):
         try:
             reading.read(None, smiles)
@@ -153,8 +158,8 @@ def build():
         except BadInput as got:
             assert str(got) == f"SMILES '{smiles}': {why}", got
     assert reading.read(None, "[CH2]", unpaired=2).unpaired == 2
-    # What MMFF94 has no parameters for, what has nothing to search, and five bonds.
-    for smiles in ("C[Se]C", "OB(O)c1ccccc1", "[H][H]", "FP(F)(F)(F)F"):
+    # What MMFF94 has no parameters for, what has nothing to search, and five bonds or six.
+    for smiles in ("C[Se]C", "OB(O)c1ccccc1", "[H][H]", "FP(F)(F)(F)F", "FS(F)(F)(F)(F)F", "FI(F)(F)(F)F", "F[P-](F)(F)(F)(F)F"):
         assert is_sound(reading.read(None, smiles)), smiles
     two = reading.read(None, "CC(O)CN")
     assert two.said == ["the handedness of C2 is not given: one is taken"], two.said
