@@ -37,7 +37,7 @@ def choose(start, result, unwanted):
             else:
                 taken.append(name)
         kept.say("  taken: " + (", ".join(taken) or "no path: the molecule keeps its shape"))
-        kept.write("rotors.tsv", table(result, start.turning, start.still, taken, left))
+        kept.write("rotors.tsv", table(result, lowest_first, start.turning, taken, left))
         for row in files.rows(kept, "rotors.tsv", ROTORS):
             if row["taken"] == "no":
                 said.setdefault(row["why"], []).append(row["path"])
@@ -87,18 +87,12 @@ def shape(folder, definition, t):
     return xyz.frames_of(text, definition)[0].x
 
 
-def table(result, rotors, stay, taken, left):
+def table(result, lowest_first, rotors, taken, left):
     """rotors.tsv: what was tried, taken and left out, and why."""
-    atoms = {t.name: "-".join(label(result.numbers, a) for a in t.atoms) for t in rotors}
-    found, dropped = {f.name: f for f in result.found}, dict(result.dropped)
-    known = {**found, **dropped}
-    tried = [(name, atoms[t.name]) for t in rotors for name in ([t.name] if t.name in known else t.file_names())]
-    # Between minima of an ensemble no single bond may turn.
-    tried += [(name, "-") for name in known if name not in dict(tried)]
-    lines = ["\t".join(ROTORS)]
-    for name, turns in tried:
-        barrier = f"{(found[name].barrier - result.energy) * HARTREE:.2f}" if name in found else "-"
-        why = "-" if name in taken else left.get(name) or dropped.get(name, "not found")
-        lines.append("\t".join((name, turns, barrier, "yes" if name in taken else "no", why or "-")))
-    lines += ["\t".join((name, name, "-", "no", why)) for name, why in stay]
-    return "\n".join(lines) + "\n"
+    atoms = {name: "-".join(label(result.numbers, a) for a in t.atoms) for t in rotors for name in (t.name, *t.file_names())}
+    rows = [ROTORS]
+    for f in lowest_first:
+        rows.append((f.name, atoms.get(f.name, "-"), f"{(f.barrier - result.energy) * HARTREE:.2f}",
+                     "yes" if f.name in taken else "no", left.get(f.name, "-")))
+    rows += [(name, atoms.get(name, "-"), "-", "no", why) for name, why in result.dropped]
+    return "".join("\t".join(row) + "\n" for row in rows)

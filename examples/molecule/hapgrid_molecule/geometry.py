@@ -4,6 +4,7 @@ Positions in bohr, arrays (atoms, 3); angles in radians.
 """
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from .elements import COVALENT
 from .xtb import BOHR
@@ -55,10 +56,6 @@ def as_in_file(x):
     return np.round(x * BOHR, 8) / BOHR
 
 
-def equal_in_file(x, y):
-    return np.abs(x - y).max() * BOHR < 1e-7
-
-
 def rms(x, y):
     """Root mean square displacement of the atoms, without superposition."""
     return np.sqrt(((x - y) ** 2).sum() / len(x))
@@ -106,11 +103,8 @@ def wrapped(a):
 
 def rotated_about(x, j, k, side, turn):
     """x with the atoms of `side` turned by an angle about the bond from j to k."""
-    axis = (x[k] - x[j]) / np.linalg.norm(x[k] - x[j])
-    out = x.copy()
-    v = x[side] - x[k]
-    out[side] = (x[k] + v * np.cos(turn) + np.cross(axis, v) * np.sin(turn)
-                 + np.outer(v @ axis, axis) * (1 - np.cos(turn)))
+    out, axis = x.copy(), (x[k] - x[j]) / np.linalg.norm(x[k] - x[j])
+    out[side] = x[k] + Rotation.from_rotvec(turn * axis).apply(x[side] - x[k])
     return out
 
 

@@ -164,24 +164,15 @@ def resolved(start, shapes, plan, may_widen):
     fault = kept.step("resolution", "", shapes.files(), [text, resolution.WANTED], compute)
     if fault is not None:
         return plan, fault
-    spacing, enough = resolution.decide(kept.read("coarse.json"), coarse)
-    took = grid.cpu_seconds(kept, "coarse.grid") / threads
-
-    def takes(spacing):
-        return resolution.scaled(took, coarse.spacing, spacing)
-    plan = Plan(plan.paths, replace(coarse, spacing=spacing), takes(spacing))
-    is_coarse = enough is not None and enough < 0.99 * spacing
-    finer = enough if is_coarse else spacing / 2
-    right = f"off by less than {resolution.WANTED:g} Å in 99 of 100 places"
-    kept.say(f"  spacing {spacing:g} Å, {math.prod(plan.definition.counts())} points, {about(plan.seconds, threads)}"
-             + (f", {right}" if enough is not None and not is_coarse else "")
-             + f"; --spacing {finer:.2g} would take about {duration(takes(finer))}" + (f" and be {right}" if is_coarse else ""))
-    if plan.seconds > LONG:
+    spacing = resolution.decide(kept.read("coarse.json"), coarse)
+    seconds = resolution.scaled(grid.cpu_seconds(kept, "coarse.grid") / threads, coarse.spacing, spacing)
+    plan = Plan(plan.paths, replace(coarse, spacing=spacing), seconds)
+    kept.say(f"  spacing {spacing:g} Å, {math.prod(plan.definition.counts())} points, {about(seconds, threads)}")
+    if seconds > LONG:
         coarser = resolution.coarser(spacing)
         points = math.prod(replace(coarse, spacing=coarser).counts())
         kept.say(f"  where that is too long: --spacing {coarser:g} has {points} points and takes about "
-                 f"{duration(takes(coarser))}, but its shapes are farther off"
-                 + ("; a smaller number for --paths also saves time" if plan.paths else ""))
+                 f"{duration(resolution.scaled(seconds, spacing, coarser))}, but its shapes are farther off")
     return plan, None
 
 
@@ -191,11 +182,9 @@ def computed(start, what, name, seconds, look_for_room):
     seconds = seconds or grid.estimated(kept, f"{name}.toml", threads)
     kept.say(what + (", " + about(seconds, threads) if seconds else ""))
     failed = grid.compute(kept, what, f"{name}.toml", f"{name}.grid", threads, seconds)
-    if failed is None:
-        return short_of_room(kept, f"{name}.grid") if look_for_room else None
-    if failed[0] not in HOPELESS:
-        raise Failed(failed[1])
-    return Fault(*failed)
+    if failed is not None:
+        return Fault(*failed)
+    return short_of_room(kept, f"{name}.grid") if look_for_room else None
 
 
 def short_of_room(folder, made):
@@ -219,28 +208,19 @@ def grid_fault(start, plan, may_widen):
     """Computes and verifies the grid; its Fault, or None."""
     o, kept = start.options, start.folder
     name = kept.name()
-    toml, made, by_hand = f"{name}.toml", f"{name}.grid", plan.definition is None
-
-    def took():
-        return grid.cpu_seconds(kept, made) / o.threads
+    toml, made = f"{name}.toml", f"{name}.grid"
 
     def compute():
-        fault = computed(start, f"computing {made}, how the molecule yields at each place of the probe", name, plan.seconds,
-                         may_widen and not by_hand)
-        if fault is not None and (o.spacing or fault.kind != ROOM):
-            return fault
-        if fault is not None:
-            kept.say(f"  at a side of the box the molecule is held: change origin and counts in {toml} for more room")
-        if o.spacing and not by_hand:
-            kept.say(f"  --spacing {o.spacing / 2:.2g} would take about {duration(resolution.scaled(took(), 1, 0.5))}")
-        return [made, f"{made}.cost"]
+        # Where a coarse grid told the spacing it told the room, too.
+        return computed(start, f"computing {made}, how the molecule yields at each place of the probe", name, plan.seconds,
+                        o.spacing and may_widen and plan.definition is not None) or [made, f"{made}.cost"]
     fault = kept.step("grid", "", [toml, "conformation.xyz", *(path + ".xyz" for path in plan.paths)], [], compute)
     if fault is not None:
         return fault
     title = "checking that the grid is whole and that its states are the model's"
 
     def verify():
-        if not grid.verify(kept, title, made, o.threads, VERIFY_SHARE * took()):
-            return Fault(RULE, f"{made} breaks a rule: see {kept.path('verify.txt')}")
-        return ["verify.txt"]
+        seconds = VERIFY_SHARE * grid.cpu_seconds(kept, made) / o.threads
+        fine = grid.verify(kept, title, made, o.threads, seconds)
+        return ["verify.txt"] if fine else Fault(RULE, f"{made} breaks a rule: see {kept.path('verify.txt')}")
     return kept.step("verify", title, [made], [], verify)

@@ -5,6 +5,7 @@ Where paths go on behind their barriers, a way pushes a torsion into the minimum
 molecule without touching it, and pushes it back from another side.
 """
 
+import itertools
 import json
 
 import numpy as np
@@ -32,26 +33,6 @@ def directions(count=150):
     turn = np.pi * (1 + 5**0.5) * k
     r = np.sqrt(1 - z * z)
     return np.column_stack([r * np.cos(turn), r * np.sin(turn), z])
-
-
-def lines(x, move, radius, low, high, clear, most=TRIED, alike=0.7):
-    """Lines (start, end, atom) from free places into the molecule, the most promising first. x: atoms, move: where they go,
-    angstrom; low, high: the corners of the box; clear: from touching to where a line begins; most: lines; alike: the cosine
-    above which two lines at an atom are one."""
-    length, reach, found = np.linalg.norm(move, axis=1), radius + PROBE, []
-    for atom in np.flatnonzero(length > 0.4 * length.max()):
-        for u in directions():
-            along = float(move[atom] @ u)
-            begin = _begin(x, reach, atom, u, clear) if along >= 0.5 * length[atom] else np.nan
-            start, end = x[atom] + begin * u, x[atom] + (along + BEYOND - reach[atom]) * u
-            if ((low <= start) & (start <= high)).all():
-                end = start + (end - start) * min(1.0, 0.98 * _to_side(start, end - start, low, high))
-                found.append((along, int(atom), u, start, end))
-    out = []
-    for _, atom, u, start, end in sorted(found, key=lambda f: -f[0]):  # different atoms and directions
-        if not any(atom == a and u @ v > alike for a, v, _ in out):
-            out.append((atom, u, (start, end, atom)))
-    return [line for _, _, line in out[:most]]
 
 
 def _begin(x, reach, atom, u, clear):
@@ -102,9 +83,9 @@ class Ways:
         box = json.loads(folder.run("stats", grid, "--get", "box").out)
         self.low = np.array(box["origin"])
         self.high = self.low + box["spacing"] * (np.array(box["counts"]) - 1)
-        middle, half = (self.low + self.high) / 2, AROUND * (self.high - self.low) / 2
-        self.inner = middle - half, middle + half  # the box in which the probe goes round
-        self.clear = CLEAR + box["spacing"]
+        self.middle, half = (self.low + self.high) / 2, AROUND * (self.high - self.low) / 2
+        self.inner = self.middle - half, self.middle + half  # the box in which the probe goes round
+        self.clear = CLEAR + box["spacing"], CLEAR  # from touching to where a line begins, or less where there is no room
         self.taken = paths_of(folder.path(grid.removesuffix(".grid") + ".toml"))
         self.radius = np.array([RADII[z] for z in structures.numbers])
 
@@ -117,22 +98,35 @@ class Ways:
             return float(self._played(there_and_back(start, end, COARSE_STEP), n)[:, k].max())
         most = self.folder.each("pushing the molecule to see which way turns it", turned, range(len(tries)), self.threads)
         best = {}
-        for turn, (k, line) in zip(most, tries):
-            if k not in best or turn > best[k][0]:
-                best[k] = turn, self.taken[k], line
+        for turn, (k, line) in sorted(zip(most, tries), key=lambda one: -one[0]):
+            best.setdefault(k, (turn, self.taken[k], line))
         if not best:  # nothing turns: past the molecule, against its broad side
-            best = dict(enumerate((0.0, "past", line) for line in self._lines(x, np.tile([0.0, 0.0, 1.0], (len(x), 1)))[:1]))
+            best = {k: (0.0, "past", line) for k, line in enumerate(self._lines(x, np.tile([0.0, 0, 1], (len(x), 1)), 1))}
         names = []
-        for turn, name, (start, end, atom) in sorted(best.values(), key=lambda b: -b[0]):
+        for turn, name, (start, end, atom) in best.values():
             names.append(f"path-{name}.txt")
             far = f": {name} goes {min(100 * turn, 100):.0f} % of the way to its barrier" if self.taken else ""
             write_way(self.folder, names[-1], there_and_back(start, end, STEP), "The probe pushes at "
                       f"{label(self.structures.numbers, atom)}{far}, and goes back on the same line.")
         return names
 
-    def _lines(self, x, move):
-        return (lines(x, move, self.radius, self.low, self.high, self.clear)
-                or lines(x, move, self.radius, self.low, self.high, CLEAR))
+    def _lines(self, x, move, most=TRIED, alike=0.7):
+        """Lines (start, end, atom) from free places into the molecule, the most promising first. x: atoms, move: where they
+        go, angstrom; most: lines; alike: the cosine above which two lines at an atom are one."""
+        length, reach, found = np.linalg.norm(move, axis=1), self.radius + PROBE, []
+        for atom, u in itertools.product(np.flatnonzero(length > 0.4 * length.max()), directions()):
+            along = float(move[atom] @ u)
+            for clear in self.clear if along >= 0.5 * length[atom] else ():
+                start, end = (x[atom] + far * u for far in (_begin(x, reach, atom, u, clear), along + BEYOND - reach[atom]))
+                if ((self.low <= start) & (start <= self.high)).all():
+                    end = start + (end - start) * min(1.0, 0.98 * _to_side(start, end - start, self.low, self.high))
+                    found.append((clear == CLEAR, -along, u, (start, end, int(atom))))
+                    break
+        out = []
+        for _, _, u, line in sorted(found, key=lambda f: f[:2]):  # different atoms and directions
+            if not any(line[2] == other[2] and u @ v > alike for v, other in out):
+                out.append((u, line))
+        return [line for _, line in out[:most]]
 
     def _played(self, way, number):
         """The t at each place of a way. number: of this way among those that are played at once."""
@@ -200,9 +194,7 @@ class Crossings(Ways):
 
     def _candidates(self, x, y):
         """Lines that push shape x towards y: first those along which the atoms go most, then random ones, deeper."""
-        found = [line for clear in (self.clear, CLEAR)
-                 for line in lines(x, y - x, self.radius, self.low, self.high, clear, LINES, 0.95)]
-        out = [(start, end) for start, end, _ in found[:LINES]]
+        out = [(start, end) for start, end, _ in self._lines(x, y - x, LINES, 0.95)]
         draw = np.random.default_rng(1)
         for _ in range(RANDOM):
             u = draw.normal(size=3)
@@ -214,11 +206,9 @@ class Crossings(Ways):
 
     def _round(self, here, to):
         """From one free place to another, near the sides of the box. All shapes keep away from these."""
-        middle = (self.low + self.high) / 2
-        u, v = ((p - middle) / np.linalg.norm(p - middle) for p in (here, to))
-        opposite = u @ v < np.cos(3.0)
-        between = np.cross(u, np.eye(3)[np.abs(u).argmin()]) if opposite else u + v
+        u, v = ((p - self.middle) / np.linalg.norm(p - self.middle) for p in (here, to))
+        between = u + v + 1e-9 * np.cross(u, np.eye(3)[np.abs(u).argmin()])  # also where u is -v
         between /= np.linalg.norm(between)
         seen = [(1 - s) * a + s * b for a, b in ((u, between), (between, v)) for s in np.linspace(0, 1, 60)]
-        out = [here, *(middle + c * _to_side(middle, c, *self.inner) for c in seen), to]
+        out = [here, *(self.middle + c * _to_side(self.middle, c, *self.inner) for c in seen), to]
         return [p for one, two in zip(out, out[1:]) for p in straight(one, two, COARSE_STEP, 1)[:-1]]

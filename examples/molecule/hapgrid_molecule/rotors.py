@@ -12,7 +12,6 @@ from .elements import SYMBOLS
 
 # N, CA and C of a residue.
 RESIDUE = "[NX3;!$(N=*)]-[CX4]-[CX3](=O)[N,O]"
-RING = "a ring stays as it is, unless an ensemble has its flip"
 SULPHUR = 16
 FLIPPED = np.radians(10)  # of a ring's torsion, on both sides of a plane
 LARGELY = 0.5  # of the farthest turn: a torsion that goes so far does turn
@@ -28,27 +27,18 @@ def _named(molecule, atoms):
 
 
 def find(molecule):
-    """(torsions that turn, [(bond or ring that does not, why)])."""
-    numbers, near = molecule.numbers, molecule.neighbours
-    stiff = molecule.double - set(molecule.amides)
-    names = peptide_names(molecule)
-    found, left = [], [(_named(molecule, ring), RING) for ring in molecule.rings()]
-    for j in range(len(numbers)):
-        for k in near[j]:
-            if j > k or min(len(near[j]), len(near[k])) < 2 or geometry.side_of(near, j, k) is None:
-                continue
-            if (j, k) in stiff:
-                left.append((_named(molecule, (j, k)), "a double or triple bond does not turn"))
-                continue
-            named, ends = names.get((j, k), (None, {}))
-            one = torsions.make(numbers, near, named, ends.get(j), j, k, ends.get(k))
-            name = _named(molecule, one.atoms)
-            if any(len(near[b]) == 2 and np.sin(geometry.angle(molecule.positions, a, b, c)) < LINEAR
-                   for a, b, c in (one.atoms[:3], one.atoms[1:])):
-                left.append((name, "its atoms lie on a line"))
-                continue
-            found.append(replace(one, name=named or name))
-    return found, left
+    """The torsions that turn: about single bonds and amides in no ring, if their atoms do not lie on a line."""
+    near, names, out = molecule.neighbours, peptide_names(molecule), []
+    for j, k in ((j, k) for j, some in enumerate(near) for k in some if j < k):
+        if min(len(near[j]), len(near[k])) < 2 or (j, k) in molecule.double - set(molecule.amides):
+            continue
+        name, ends = names.get((j, k), (None, {}))
+        one = torsions.make(molecule.numbers, near, ends.get(j), j, k, ends.get(k))
+        if one is None or any(len(near[b]) == 2 and np.sin(geometry.angle(molecule.positions, a, b, c)) < LINEAR
+                              for a, b, c in (one.atoms[:3], one.atoms[1:])):
+            continue
+        out.append(replace(one, name=name or _named(molecule, one.atoms)))
+    return out
 
 
 def flipped(molecule, shapes):

@@ -14,7 +14,6 @@ from .xtb import BOHR, HARTREE, XtbError
 
 SAME_ENERGY = 0.02  # kJ/mol
 CONFORMERS = 4  # of the lowest by the force field, which xtb relaxes
-SEED = 1  # of random torsions, where there are too many combinations for all
 
 _search = None  # of this process and of those that it starts
 
@@ -25,13 +24,14 @@ def _ask(question):
 
 
 class Search:
-    """torsions: all that could turn; driven: those that are turned; jobs: {name of a path: (one of these, direction)}. shapes:
+    """torsions: all that could turn; driven: those that are turned; jobs: {name of a path: (one of these, direction, None for both)}. shapes:
     [(number of a frame, shape in angstrom)] of an ensemble, between whose minima paths are looked for."""
 
     def __init__(self, start, shapes):
         self.start, self.molecule, self.shapes = start, start.molecule, shapes
-        self.torsions, self.driven = rotors.find(start.molecule)[0], start.turning
-        self.jobs = {torsion.file_name(sign): (torsion, sign) for torsion in self.driven for sign in torsion.signs}
+        self.torsions, self.driven = rotors.find(start.molecule), start.turning
+        self.jobs = ({torsion.name: (torsion, None) for torsion in self.driven if not torsion.rotor} if start.options.basins else
+                     {torsion.file_name(sign): (torsion, sign) for torsion in self.driven for sign in torsion.signs})
 
     def say(self, text):
         self.start.folder.say("  " + text)
@@ -63,8 +63,7 @@ class Search:
         if self.start.options.solvent is not None:
             self.start.surface(self.molecule.positions / BOHR)  # a solvent that xtb does not know is an error of its own
         shapes = [] if self.start.options.keep_conformation else [x for _, x in self.shapes]
-        turning = [t.atoms for t in self.driven if not t.rotor and not keep]
-        one = self._take([Point], ["conformation", self.molecule.positions.tolist(), keep, turning, plain(shapes)],
+        one = self._take([Point], ["conformation", self.molecule.positions.tolist(), keep, plain(shapes)],
                          lambda: self._conformation(keep, shapes))
         self.x, self.surface = one.x, self.start.surface(one.x)
         self.energy = self.surface.energy(self.x)
@@ -72,7 +71,7 @@ class Search:
 
     def _conformation(self, keep, shapes):
         starts = shapes or ([self.molecule.positions] if keep else
-                            conformers(self.molecule, self.driven, CONFORMERS, SEED))
+                            conformers(self.molecule, CONFORMERS))
         best, reason = None, ""
         tie = SAME_ENERGY / HARTREE if shapes else 0.0  # of equal minima of an ensemble the first is taken
         for n, (_, (x, energy, why)) in enumerate(self.each("relaxing conformers", Search.relax, starts), 1):
@@ -150,7 +149,8 @@ class Search:
         ends = self.saddle(job)
         return self.kept(Way, ["path", torsion.atoms, sign], lambda: self._path(ends))
 
-    def beyond(self, torsion):
+    def beyond(self, job):
+        torsion, _ = self.jobs[job]
         return self.kept(Way, ["beyond", torsion.atoms], lambda: beyond.whole(self, torsion))
 
     def minimum(self, shape):
@@ -183,9 +183,7 @@ class Search:
     def _ends(self, saddle):
         ends = self.ends(saddle, self.x)
         ends.far.x = geometry.aligned(ends.far.x, self.x, self.surface.masses)
-        a, b = (geometry.fingerprint(self.molecule.numbers, x) for x in (ends.far.x, self.x))
-        equal = abs(self.above(ends.far.energy)) < SAME_ENERGY and np.abs(a - b).max() < SAME_SHAPE
-        return replace(ends, equal=bool(equal))
+        return ends
 
     def _path(self, ends):
         turns = self.turns_back(ends.near)

@@ -31,8 +31,7 @@ ALGEBRA = 0.09
 @dataclass
 class Start:
     """The molecule that is felt, and what the steps have in common. options: of the command line; source: of the molecule, in
-    words; search: whether conformers are searched; method: of xtb; turning: bonds (torsions.Torsion); still: [(bond or ring
-    that keeps its place, why)]."""
+    words; search: whether conformers are searched; method: of xtb; turning: bonds (torsions.Torsion)."""
     options: object
     folder: Work
     molecule: molecule.Molecule
@@ -40,7 +39,6 @@ class Start:
     search: bool
     method: str
     turning: list
-    still: list
 
     @property
     def words(self):
@@ -93,8 +91,7 @@ def read(o):
     one, method = reading.started(kept.path("start.sdf")), o.method
     if method == "auto":
         method = "gfn2" if len(one.numbers) <= GFN2_ATOMS else "gfnff"
-    turning, still = rotors.find(one)
-    rings = sum(why == rotors.RING for _, why in still)
+    turning, rings = rotors.find(one), len(one.rings())
     if o.torsions is not None:  # with basins paths go both ways
         wanted = set(o.torsions.split(","))
         unknown = sorted(wanted - {name for t in turning for name in ([t.name] if o.basins else [t.name, *t.file_names()])})
@@ -102,12 +99,11 @@ def read(o):
             raise Failed(f"--torsions: no bond {unknown[0]} turns, only " + ", ".join(t.name for t in turning))
         turning = [t if t.name in wanted else replace(t, signs=tuple(s for s in t.signs if t.file_name(s) in wanted))
                    for t in turning]
-        still = still + [(t.name, "not among --torsions") for t in turning if not t.signs]
         turning = [t for t in turning if t.signs]
     kept.say(f"  {one.formula}, {len(one.numbers)} atoms, charge {signed(one.charge)}, {len(turning)} bonds turn"
              + (f"; {rings} rings stay as they are" if rings else ""))
     source = os.path.basename(o.file) if o.file else f"SMILES {o.smiles}"
-    return Start(o, kept, one, source, o.search or one.built, method, turning, still)
+    return Start(o, kept, one, source, o.search or one.built, method, turning)
 
 
 def find_structures(start):
@@ -124,7 +120,6 @@ def find_structures(start):
                      f"GFN-FF, as for all above {GFN2_ATOMS} atoms (--method gfn2 is better, and slower)"))
         estimate(start)
         one = structures.explore(start, shapes)
-        files.lie_as_before(kept, one)
         if start.points:
             start.points.put_into(one, o.threads, kept)
         return files.write_set(kept, one, f"hapgrid molecule: {start.source}, {start.method}, "
