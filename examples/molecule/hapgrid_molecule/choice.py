@@ -26,22 +26,24 @@ def choose(start, result, unwanted):
     lowest_first = sorted(result.found, key=lambda f: f.barrier)
 
     def compute():
-        taken, left, said = [], {}, {}
-        for name in (f.name for f in lowest_first):
-            if name in unwanted:
-                left[name] = unwanted[name]
-            elif len(taken) == o.paths:
-                left[name] = f"stiffer than the {o.paths} that are taken (--paths)"
-            elif fault := _fault(start, result, Definition.around(start.molecule, result, [*taken, name], o.basins)):
-                left[name] = fault
-            else:
-                taken.append(name)
+        rows, taken, left = [], [], {}
+        for f in lowest_first:
+            why = unwanted.get(f.name) or (
+                f"stiffer than the {o.paths} that are taken (--paths)" if len(taken) == o.paths else
+                _fault(start, result, Definition.around(start.molecule, result, [*taken, f.name], o.basins)))
+            if not why:
+                taken.append(f.name)
+            rows.append((f.name, f"{(f.barrier - result.energy) * HARTREE:.2f}", "no" if why else "yes", why or "-"))
+        rows += [(name, "-", "no", why) for name, why in result.dropped]
+        atoms = {name: "-".join(label(result.numbers, a) for a in t.atoms)
+                 for t in start.turning for name in (t.name, *t.file_names())}  # between minima of an ensemble no bond need turn
+        table = [ROTORS, *((name, atoms.get(name, "-"), *rest) for name, *rest in rows)]
+        kept.write("rotors.tsv", "".join("\t".join(row) + "\n" for row in table))
         kept.say("  taken: " + (", ".join(taken) or "no path: the molecule keeps its shape"))
-        kept.write("rotors.tsv", table(result, lowest_first, start.turning, taken, left))
-        for row in files.rows(kept, "rotors.tsv", ROTORS):
-            if row["taken"] == "no":
-                said.setdefault(row["why"], []).append(row["path"])
-        for why, names in said.items():
+        for name, _, is_taken, why in rows:
+            if is_taken == "no":
+                left.setdefault(why, []).append(name)
+        for why, names in left.items():
             kept.say(f"  left out: {', '.join(names)}: {why}")
         return ["rotors.tsv"]
     kept.step("choice", "choosing the softest paths that are sane together", [*result.files(), "report.tsv"],
@@ -85,14 +87,3 @@ def shape(folder, definition, t):
     """The atoms (angstrom) of the model at t."""
     text = folder.run("molecule-check", definition, "--xyz=" + ",".join(map(repr, t))).out
     return xyz.frames_of(text, definition)[0].x
-
-
-def table(result, lowest_first, rotors, taken, left):
-    """rotors.tsv: what was tried, taken and left out, and why."""
-    atoms = {name: "-".join(label(result.numbers, a) for a in t.atoms) for t in rotors for name in (t.name, *t.file_names())}
-    rows = [ROTORS]
-    for f in lowest_first:
-        rows.append((f.name, atoms.get(f.name, "-"), f"{(f.barrier - result.energy) * HARTREE:.2f}",
-                     "yes" if f.name in taken else "no", left.get(f.name, "-")))
-    rows += [(name, atoms.get(name, "-"), "-", "no", why) for name, why in result.dropped]
-    return "".join("\t".join(row) + "\n" for row in rows)

@@ -1,6 +1,5 @@
 """The files of structures: XYZ files and the report, written and read."""
 
-import os
 import re
 
 import numpy as np
@@ -76,8 +75,6 @@ def rows(folder, name, heads):
 
 def _listed(folder):
     """The paths that the report names. Errors: BadInput, where a name is none of a file beside it."""
-    if not os.path.exists(folder.path("report.tsv")):
-        return []
     names = [row["name"] for row in rows(folder, "report.tsv", REPORT) if row["kind"] in ("saddle", "path")]
     for name in names:
         if not is_plain(name):
@@ -87,17 +84,14 @@ def _listed(folder):
 
 
 def write_set(folder, result, command):
-    """Writes all files of a molecule and returns their names. The report is written last: where there is one, the set is
-    whole."""
+    """Writes all files of a molecule and returns their names."""
     known = "nimag=0 " if result.nu1 is not None else ""
     title = f"dE=0.0000 E={result.energy:.9f} method={result.method} {known}{words(result.torsions, result.x)}"
     texts = {"conformation.xyz": frame(result.numbers, result.x, title)}
     texts.update((found.name + ".xyz", _path_text(result, found)) for found in result.found)
-    old = {name + ".xyz" for name in _listed(folder)}
-    remove(folder.path("report.tsv"))
-    for name in old - set(texts):  # paths from another conformation would be wrong
-        remove(folder.path(name))
     texts["report.tsv"] = report_text(result, command)
+    for name in set(folder.made("structures")) - set(texts):  # paths from another conformation would be wrong
+        remove(folder.path(name))
     for name, text in texts.items():
         folder.write(name, text)
     return list(texts)

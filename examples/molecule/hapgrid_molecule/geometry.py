@@ -4,6 +4,7 @@ Positions in bohr, arrays (atoms, 3); angles in radians.
 """
 
 import numpy as np
+from scipy.linalg import orth
 from scipy.spatial.transform import Rotation
 
 from .elements import COVALENT
@@ -66,8 +67,7 @@ def rigid_vectors(x, weights):
     root = np.sqrt(weights)[:, None]
     c = centred(x, weights)
     columns = [(root * column).ravel() for axis in np.eye(3) for column in (axis, np.cross(axis, c))]
-    u, s, _ = np.linalg.svd(np.array(columns).T, full_matrices=False)
-    return u[:, s > 1e-6 * s[0]]
+    return orth(np.array(columns).T, rcond=1e-6)
 
 
 def torsion(x, i, j, k, l):
@@ -201,12 +201,3 @@ def _placed(r, theta, tau, to_b, b_to_c):
     e2 /= np.linalg.norm(e2)
     e3 = np.cross(e2, e1)  # IUPAC: clockwise, seen along the bond
     return r * (np.cos(theta) * e1 + np.sin(theta) * (np.cos(tau) * e2 + np.sin(tau) * e3))
-
-
-def fingerprint(numbers, x):
-    """The sorted distances for each pair of elements. They are the same for a shape, its mirror
-    image, and a shape with equal atoms exchanged."""
-    i, j = np.triu_indices(len(x), 1)
-    elements = np.sort([np.take(numbers, i), np.take(numbers, j)], axis=0)
-    distance = np.linalg.norm(x[i] - x[j], axis=1)
-    return distance[np.lexsort((distance, elements[1], elements[0]))]

@@ -20,7 +20,7 @@ from .definition import Definition, MAX_LEVELS, PENALTY, paths_of
 from .xtb import BOHR, HARTREE
 
 VERIFY_SHARE = 0.15  # of the time that the grid took, about
-WIDENED = 4  # times, at most
+MOST_ROOM = 4.0  # angstrom that a side of the box is moved outwards, before no more room is looked for
 LONG = 900  # seconds: for a grid that takes longer a coarser one is named
 RIGID = 6  # the last numbers of a state: shift and rotation
 # Why expand cannot compute a grid, by the word that it writes to the file of --cost, and what that means for the
@@ -42,24 +42,22 @@ class Fault:
 @dataclass(frozen=True)
 class Remedies:
     """What was learnt from grids that had a fault. unwanted: paths, and why; softer: how many times softer anchors are
-    than the rule has them; sides: as in Fault; widened: how often."""
+    than the rule has them; sides: as in Fault."""
     unwanted: dict = field(default_factory=dict)
     softer: int = 1
     sides: tuple = (0.0,) * 6
-    widened: int = 0
 
-    may_widen = property(lambda self: self.widened < WIDENED)
+    may_widen = property(lambda self: max(self.sides) < MOST_ROOM)
 
     @classmethod
     def of(cls, kept):
         """Those that asdict() gave, or none where `kept` is something else: it may come from a stranger."""
         try:
             one = cls({str(k): str(why) for k, why in kept["unwanted"].items()}, int(kept["softer"]),
-                      tuple(map(float, kept["sides"])), int(kept["widened"]))
+                      tuple(map(float, kept["sides"])))
         except (TypeError, ValueError, KeyError, AttributeError, OverflowError):
             return cls()
-        sound = len(one.sides) == 6 and all(0 <= v < 100 for v in one.sides) and 0 < one.softer < 1 << 20
-        return one if sound and 0 <= one.widened <= WIDENED else cls()
+        return one if len(one.sides) == 6 and all(0 <= v < 100 for v in one.sides) and 0 < one.softer < 1 << 20 else cls()
 
 
 @dataclass(frozen=True)
@@ -100,7 +98,7 @@ def cure(remedies, fault, plan):
     rule = plan.definition.stiffness
     if fault.kind == ROOM:
         more = tuple(a + b for a, b in zip(remedies.sides, fault.sides))
-        return replace(remedies, sides=more, widened=remedies.widened + 1), f"{fault.text}, which is made wider"
+        return replace(remedies, sides=more), f"{fault.text}, which is made wider"
     if fault.kind == RULE and rule != rule.softer(2):
         # Where the molecule cannot yield, the probe goes through it, and the spacing does not resolve that.
         return replace(remedies, softer=2 * remedies.softer), f"{fault.text}: anchors half as stiff are tried"

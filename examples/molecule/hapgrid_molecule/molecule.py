@@ -9,8 +9,6 @@ from rdkit import Chem, RDLogger
 from rdkit.Chem import rdDistGeom, rdForceFieldHelpers, rdMolDescriptors
 from rdkit.ForceField import rdForceField  # Python must know the type of force fields
 
-from . import geometry
-
 RDLogger.DisableLog("rdApp.*")  # what it says is for programmers
 
 MOST_BYTES = 8 << 20  # of a file from outside
@@ -155,10 +153,8 @@ def conformers(molecule, number):
     Chem.AssignStereochemistryFrom3D(rd)
     options.randomSeed, options.maxIterations = SEED, ITERATIONS
     embedded = [rd.GetConformer(n).GetPositions() for n in rdDistGeom.EmbedMultipleConfs(rd, TRIES, options)]
-    found = []
+    found = {}
     for x in [molecule.positions, *embedded]:
         energy, x = relaxed(molecule.rd, x, STEPS)
-        print_ = geometry.fingerprint(molecule.numbers, x)
-        if all(abs(energy - e) > 0.02 or np.abs(print_ - p).max() > 0.1 for e, p, _ in found):
-            found.append((energy, print_, x))
-    return [x for _, _, x in sorted(found, key=lambda f: f[0])[:number]]
+        found.setdefault(round(energy, 2), x)  # equal energies are those of one shape, or of its mirror image
+    return [found[energy] for energy in sorted(found)[:number]]

@@ -6,17 +6,16 @@ import re
 import shlex
 
 import numpy as np
-from hapgrid_command import plots
 from rdkit import Chem
 
-from . import choice, files, geometry
+from . import choice, files
 from .elements import COLOURS, SYMBOLS
 from .molecule import placed, signed
 from .pushing import read_log
 from .xyz import frames, frames_of
 
 ALL_BONDS = 4 | 8  # of RDKit: bonds between all atoms, each once
-MOVES = 2.0  # degrees: what turns less is not drawn
+CURVES = (("energy.png", "own_energy", "energy of the molecule / (kJ/mol)"), ("force.png", "sent", "force on the hand / N"))
 METHODS = {"gfn2": "GFN2-xTB", "gfnff": "GFN-FF"}
 SPINS = ("singlet", "doublet", "triplet", "quartet", "quintet")
 
@@ -31,13 +30,15 @@ def write(start, turned, ways):
     # The probe is no element: it comes as the last atom, and as helium.
     probed = frames_of(run("view", "played.frames", "--xyz", "-", "--hip-label", "He").out, "played.frames")
     kept.write("played.pdb", pdb(start.molecule.rd, probed))
+    for name, column, label in CURVES:
+        run("plot", "columns", "played.log", "--y", column, "--labels", f"time / s,{label}", "-o", name)
     log = read_log(kept.path("played.log"))
-    draw_curves(kept, log, probed, turned)
     x, y = (log[a][len(log[a]) // 2] - log[a][0] for a in "xy")
     azimuth = f"{np.degrees(np.arctan2(y, x)):.0f}"  # from which the probe comes from the left
     run("view", "played.frames", "--azimuth", azimuth, "--elevation", "10", "--html", "played.html")
     kept.write("index.html", page(start, turned, ways))
-    return ["played.log", "played.frames", "played.xyz", "played.pdb", "course.png", "played.html", "index.html"]
+    return ["played.log", "played.frames", "played.xyz", "played.pdb", *(name for name, *_ in CURVES), "played.html",
+            "index.html"]
 
 
 def pdb(rd, shapes):
@@ -48,34 +49,6 @@ def pdb(rd, shapes):
     for one in shapes:
         rd.AddConformer(placed(rd, one.x).GetConformer(), assignId=True)
     return Chem.MolToPDBBlock(rd, flavor=ALL_BONDS)
-
-
-def draw_curves(folder, log, shapes, torsions):
-    """Writes the picture of torsions, energies and the force over time. shapes: xyz.Frames that play showed; torsions: those
-    that the grid's paths turn."""
-    times = [float(one.words["time"]) for one in shapes]
-    angles = {t.name: np.degrees(np.unwrap([geometry.torsion(one.x, *t.atoms) for one in shapes])) for t in torsions}
-    t, hybrid, own = log["t"], log["energy"], log["own_energy"]
-    force = np.sqrt(log["sent_x"]**2 + log["sent_y"]**2 + log["sent_z"]**2)
-    moving = [name for name, values in angles.items() if np.ptp(values) > MOVES] or list(angles)[:1]
-    panels = [("torsion / degrees", [(name, times, angles[name]) for name in moving])] if moving else []
-    panels += [("energy / (kJ/mol)", [("with probe and anchors", t, hybrid), ("the molecule alone", t, own)]),
-               ("force on the hand / N", [("", t, force)])]
-    style = plots.style(folder)
-    drawn = style.figure(5.6, 8.4)
-    with style.house_style():
-        every = []
-        for k, (label, curves) in enumerate(panels):
-            axes = drawn.add_subplot(len(panels), 1, k + 1, sharex=every[0] if every else None)
-            every.append(axes)
-            for colour, (said, x, y) in zip(style.COLOURS * len(curves), curves):
-                axes.plot(x, y, color=colour, label=style.plain(said) or None)
-            axes.set_ylabel(label)
-            style.limits(axes, np.concatenate([y for _, _, y in curves]))
-            style.legend(axes)
-        every[-1].set_xlabel("time / s")
-        drawn.align_ylabels(every)
-    style.save(drawn, folder.path("course.png"))
 
 
 def page(start, turned, ways):

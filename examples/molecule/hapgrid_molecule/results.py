@@ -37,7 +37,8 @@ class Ends:
 
     def points(self):
         """[(kind, energy, shape)] along the way from the near one to the far one."""
-        return [(kind, one.energy, one.x) for kind, one in zip(("minimum", "saddle", "minimum"), (self.near, self.saddle, self.far))]
+        return [(kind, one.energy, one.x) for kind, one in (("minimum", self.near), ("saddle", self.saddle),
+                                                            ("minimum", self.far))]
 
 
 @dataclass

@@ -115,6 +115,14 @@ class Candidate:
     turns: np.ndarray
     height: float
 
+    @property
+    def bond(self):
+        """The number of the torsion that gives it its name, or None where no bond turns."""
+        far = np.abs(self.turns)
+        if far.max() < torsions.LEAST_TURN:
+            return None
+        return self.number if far[self.number] >= LARGELY * far.max() else int(far.argmax())
+
 
 def candidate(bonds, torsion, way, free):
     """The Candidate of a Way on behind barriers, or from the conformation to one. bonds: all Torsions that turn; free: names of
@@ -135,21 +143,17 @@ def names(bonds, candidates, allowed, signed):
     it has the name of that which turns farthest. Where several paths turn one bond the same way, that is kept for which this
     bond was driven, or else the lowest.
     """
-    farthest = {}  # the bond that turns: the driven one where it turns largely
-    for job, one in candidates.items():
-        far = np.abs(one.turns)
-        farthest[job] = one.number if far[one.number] >= LARGELY * far.max() else int(far.argmax())
-        if far.max() < torsions.LEAST_TURN:
-            farthest[job] = None
-    out, left = {}, [(job, "no bond turns on the way to its barrier") for job, n in farthest.items() if n is None]
+    out, left = {}, []
 
     def order(job):
         """Paths whose driven bond turns come first, that whose bond turns farthest before others. Then comes the lowest."""
         one, turns = candidates[job], np.abs(candidates[job].turns)
-        is_own = farthest[job] == one.number
-        return (0, -round(float(turns[one.number] / turns.max()), 1)) if is_own else (1, one.height)
-    for job in sorted((job for job, n in farthest.items() if n is not None), key=order):
-        one, n = candidates[job], farthest[job]
+        return (0, -round(float(turns[one.number] / turns.max()), 1)) if one.bond == one.number else (1, one.height)
+    for job in sorted(candidates, key=order):
+        one, n = candidates[job], candidates[job].bond
+        if n is None:
+            left.append((job, "no bond turns on the way to its barrier"))
+            continue
         name = bonds[n].file_name(np.sign(one.turns[n])) if signed else bonds[n].name
         turns = "turns {} instead, by {:.0f} degrees against {:.0f}".format(
             name, *np.abs(np.degrees([one.turns[n], one.turns[one.number]])))

@@ -24,14 +24,15 @@ def _ask(question):
 
 
 class Search:
-    """torsions: all that could turn; driven: those that are turned; jobs: {name of a path: (one of these, direction, None for both)}. shapes:
-    [(number of a frame, shape in angstrom)] of an ensemble, between whose minima paths are looked for."""
+    """torsions: all that could turn; driven: those that are turned; jobs: {name of a path: (one of these, direction, None for
+    both)}. shapes: [(number of a frame, shape in angstrom)] of an ensemble, between whose minima paths are looked for."""
 
     def __init__(self, start, shapes):
         self.start, self.molecule, self.shapes = start, start.molecule, shapes
         self.torsions, self.driven = rotors.find(start.molecule), start.turning
-        self.jobs = ({torsion.name: (torsion, None) for torsion in self.driven if not torsion.rotor} if start.options.basins else
-                     {torsion.file_name(sign): (torsion, sign) for torsion in self.driven for sign in torsion.signs})
+        self.jobs = {t.file_name(sign): (t, sign) for t in self.driven for sign in t.signs}
+        if start.options.basins:
+            self.jobs = {t.name: (t, None) for t in self.driven if not t.rotor}
 
     def say(self, text):
         self.start.folder.say("  " + text)
@@ -70,8 +71,7 @@ class Search:
         self.rest = replace(one, energy=self.energy)
 
     def _conformation(self, keep, shapes):
-        starts = shapes or ([self.molecule.positions] if keep else
-                            conformers(self.molecule, CONFORMERS))
+        starts = shapes or ([self.molecule.positions] if keep else conformers(self.molecule, CONFORMERS))
         best, reason = None, ""
         tie = SAME_ENERGY / HARTREE if shapes else 0.0  # of equal minima of an ensemble the first is taken
         for n, (_, (x, energy, why)) in enumerate(self.each("relaxing conformers", Search.relax, starts), 1):
@@ -141,8 +141,8 @@ class Search:
     def saddle(self, job):
         torsion, sign = self.jobs[job]
         highest = self.start.options.highest / HARTREE
-        return self.kept(Ends, ["saddle", torsion.atoms, sign], lambda: self._ends(
-            self.climbed(*torsions.scan(self.surface, self.rest, torsion, sign, highest=highest))))
+        return self.kept(Ends, ["saddle", torsion.atoms, sign], lambda: self.ends(
+            self.climbed(*torsions.scan(self.surface, self.rest, torsion, sign, highest=highest)), self.x))
 
     def path(self, job):
         torsion, sign = self.jobs[job]
@@ -177,13 +177,10 @@ class Search:
         mode = 0.15 * mode / np.linalg.norm(mode)
         one, two = (optimise.minimum(self.surface, saddle.x + sign * mode.reshape(-1, 3), saddle.hessian, longest=0.15)
                     for sign in (1, -1))
-        return min((Ends(saddle, 1, one, two), Ends(saddle, -1, two, one)), key=lambda ends: self.apart(ends.near.x, a) + (
+        out = min((Ends(saddle, 1, one, two), Ends(saddle, -1, two, one)), key=lambda ends: self.apart(ends.near.x, a) + (
             0 if b is None else self.apart(ends.far.x, b)))
-
-    def _ends(self, saddle):
-        ends = self.ends(saddle, self.x)
-        ends.far.x = geometry.aligned(ends.far.x, self.x, self.surface.masses)
-        return ends
+        out.far.x = geometry.aligned(out.far.x, self.x, masses)
+        return out
 
     def _path(self, ends):
         turns = self.turns_back(ends.near)

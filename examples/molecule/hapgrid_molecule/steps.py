@@ -20,9 +20,9 @@ from .xtb import BOHR, Surface, XtbError, load
 GFN2_ATOMS = 24  # up to which GFN2-xTB is taken
 ENSEMBLE = 8  # frames of an ensemble between which paths are looked for
 # Gradients of xtb in units of a Hessian, which are measured: of butane, pentane, propan-2-ol and ethanol 9 to 16 for each way
-# of a bond, and 21 where it goes on behind its barriers. Of a flexible molecule some ways take ten times as many, to hard
-# saddles or lower minima: on the mean of methyl argininate, with 9 bonds beside methyl groups, twice as many.
-HESSIANS, HESSIANS_BEHIND, HESSIANS_AT_FIRST = 15, 12, 15
+# of a bond, and 21 where it goes on behind its barriers; as many for the conformation. Of a flexible molecule some ways take
+# ten times as many, to hard saddles or lower minima: on the mean of methyl argininate, with 9 bonds beside methyl groups, twice.
+HESSIANS, HESSIANS_BEHIND = 15, 12
 FLEXIBLE = 8  # bonds beside methyl groups with which a way takes twice as many
 # What an optimiser's step takes besides its gradient, in shares of a step for each gradient: most gradients are a Hessian's.
 ALGEBRA = 0.09
@@ -145,7 +145,7 @@ def estimate(start):
         step = takes(lambda: optimise.projected(np.eye(x.size), x)) + takes(lambda: start.tree.moved(x, 0.01 * np.cos(x)))
     except XtbError:
         return
-    count = HESSIANS_AT_FIRST + ways * (HESSIANS + (HESSIANS_BEHIND if o.basins else 0)) * (1 + soft / FLEXIBLE)
+    count = HESSIANS + ways * (HESSIANS + (HESSIANS_BEHIND if o.basins else 0)) * (1 + soft / FLEXIBLE)
     cores = min(o.threads, max(ways, 1))
     seconds = 2 * x.size * count * (gradient + ALGEBRA * step) / cores
     start.folder.say(f"  {about(seconds, cores)} for conformation and barriers, more where a lower minimum is found")
@@ -155,9 +155,8 @@ def show(start, shapes, plan):
     """The line that shows the grid."""
     o, kept = start.options, start.folder
     grid = f"{kept.name()}.grid"
-    ways = pushing.Crossings if o.basins else pushing.Ways
     kept.step("pushing", "looking for the probe's ways that turn the molecule", [grid], [],
-              lambda: ways(kept, grid, shapes, o.threads).write())
+              lambda: pushing.Ways(kept, grid, shapes, o.threads).write())
     made = [n for n in kept.made("pushing") if n.endswith(".txt")]
     if not made:
         raise Failed(f"{kept.path(grid)}: no way of the probe is found that pushes the molecule; hapgrid feel shows the grid")

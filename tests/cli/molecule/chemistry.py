@@ -68,8 +68,8 @@ names, left = rotors.names([a, b, c], {
     "c-minus": of(2, [1, 2, 3], 9.0),
 }, {"a", "b-plus", "b-minus", "c-plus", "c-minus"}, True)
 assert names == {"c-plus": "c-plus", "b-minus": "b-minus", "b-plus": "a"}, names
-assert left == [("c-minus", "no bond turns on the way to its barrier"),
-                ("b-plus", "turns a instead, by 59 degrees against 3")], left
+assert left == [("b-plus", "turns a instead, by 59 degrees against 3"),
+                ("c-minus", "no bond turns on the way to its barrier")], left
 # Of two that turn a the lower is kept, unless a itself was driven. What nobody asked for is no path.
 names, left = rotors.names([a, b, c], {"b-plus": of(1, [59, 3, 0], 2.0), "c-plus": of(2, [58, 3, 0], 1.0),
                                        "c-minus": of(2, [0, -60, 1], 1.0)}, {"a", "c-plus"}, True)
