@@ -35,8 +35,9 @@ def choose(start, result, unwanted):
                 taken.append(f.name)
             rows.append((f.name, f"{(f.barrier - result.energy) * HARTREE:.2f}", "no" if why else "yes", why or "-"))
         rows += [(name, "-", "no", why) for name, why in result.dropped]
+        # Between minima of an ensemble no single bond may turn.
         atoms = {name: "-".join(label(result.numbers, a) for a in t.atoms)
-                 for t in start.turning for name in (t.name, *t.file_names())}  # between minima of an ensemble no bond need turn
+                 for t in start.turning for name in (t.name, *t.file_names())}
         table = [ROTORS, *((name, atoms.get(name, "-"), *rest) for name, *rest in rows)]
         kept.write("rotors.tsv", "".join("\t".join(row) + "\n" for row in table))
         kept.say("  taken: " + (", ".join(taken) or "no path: the molecule keeps its shape"))
@@ -63,8 +64,8 @@ def _fault(start, result, definition):
         found = json.loads(ran.out)
         for problem in found["problems"]:
             names = [definition.paths[n] for n in problem["paths"]]
-            some = " and ".join(names) + " combined: " * (len(names) == 2) + ": " * (len(names) == 1)
-            return (some if len(names) < 3 else "all paths combined: ") + problem["what"]
+            who = " and ".join(names) if len(names) < 3 else "all paths"
+            return f"{who}{' combined' * (len(names) > 1)}{': ' * bool(names)}{problem['what']}"
         combined = [m for m in found["minima"] if sum(t != 0 for t in m["t"]) > 1]
         return _missed(start, result.x, name, combined) if start.options.basins and combined else ""
     finally:

@@ -22,13 +22,9 @@ def frame(numbers, x, comment):
     return "\n".join(lines) + "\n"
 
 
-def angles(torsions, x):
-    """Torsions in whole degrees, -179 to 180, by name."""
-    return {t.name: 180 - (180 - round(float(np.degrees(geometry.torsion(x, *t.atoms))))) % 360 for t in torsions}
-
-
 def words(torsions, x):
-    return " ".join(f"{name}={value}" for name, value in angles(torsions, x).items())
+    """Torsions in whole degrees, -179 to 180."""
+    return " ".join(f"{t.name}={180 - (180 - round(float(np.degrees(geometry.torsion(x, *t.atoms))))) % 360}" for t in torsions)
 
 
 def _path_text(result, found):
@@ -52,7 +48,7 @@ def report_text(result, command):
 
     def add(name, kind, energy, nu1, x):
         nu1 = "-" if nu1 is None else f"{nu1:.0f}".replace("-", "i")
-        table.append((name, kind, f"{(energy - result.energy) * HARTREE:.2f}", nu1, words(result.torsions, x)))
+        table.append((name, kind, f"{round((energy - result.energy) * HARTREE, 2) + 0:.2f}", nu1, words(result.torsions, x)))
     add("conformation", "minimum", result.energy, result.nu1, result.x)
     for found in result.found:
         top = int(np.argmax(found.energies)) if found.goes_on else -1
@@ -73,16 +69,6 @@ def rows(folder, name, heads):
     return [dict(zip(lines[0], line)) for line in lines[1:]]
 
 
-def _listed(folder):
-    """The paths that the report names. Errors: BadInput, where a name is none of a file beside it."""
-    names = [row["name"] for row in rows(folder, "report.tsv", REPORT) if row["kind"] in ("saddle", "path")]
-    for name in names:
-        if not is_plain(name):
-            raise BadInput(f"{folder.path('report.tsv')}: '{name}' is no name of a path: remove the report, and all is computed "
-                           "anew")
-    return names
-
-
 def write_set(folder, result, command):
     """Writes all files of a molecule and returns their names."""
     known = "nimag=0 " if result.nu1 is not None else ""
@@ -98,13 +84,19 @@ def write_set(folder, result, command):
 
 
 def read_set(folder):
-    """The Result that the files of the folder have, changed by hand or not. Energies are above the conformation."""
+    """The Result that the files of the folder have, changed by hand or not. Energies are above the conformation. Errors:
+    BadInput, also where the report names a file that is not beside it."""
     first = folder.path("conformation.xyz")
     conformation = xyz.frames(first)[0]
     strange = set(conformation.numbers) - set(MASSES)
     if strange:
         raise BadInput(f"{first}: {SYMBOLS[min(strange)]} is no element that can be felt")
-    found = [_path(name, folder.path(name + ".xyz"), conformation) for name in _listed(folder)]
+    names = [row["name"] for row in rows(folder, "report.tsv", REPORT) if row["kind"] in ("saddle", "path")]
+    for name in names:
+        if not is_plain(name):
+            raise BadInput(f"{folder.path('report.tsv')}: '{name}' is no name of a path: remove the report, and all is computed "
+                           "anew")
+    found = [_path(name, folder.path(name + ".xyz"), conformation) for name in names]
     dropped = re.findall(f"^{NO_PATH}(.*?): (.*)$", folder.read("report.tsv"), re.M)
     return Result(conformation.numbers, np.array([MASSES[z] for z in conformation.numbers]), "", [], conformation.x / BOHR, 0.0,
                   None, found, dropped)

@@ -32,8 +32,8 @@ def explore(start, shapes):
                 search.say(f"{job}: {one.why}")
                 continue
             search.say(f"{job}: {_points(search, one)}")
-            minima = [(energy, x) for kind, energy, x in one.points() if kind == "minimum" and search.intact(x)]
-            energy, shape = min(minima, key=lambda m: round(m[0], 6), default=(search.energy, search.x))
+            sides = [(energy, x) for kind, energy, x in one.points() if kind == "minimum" and search.intact(x)]
+            energy, shape = min(sides, key=lambda side: round(side[0], 6), default=(search.energy, search.x))
             if search.above(energy) < -LOWER:
                 search.say(f"{job} leads to a minimum that is {-search.above(energy):.1f} kJ/mol lower"
                            + ": from there once more" * (left > 0))
@@ -46,11 +46,7 @@ def explore(start, shapes):
 
 
 def _points(search, one):
-    return ", ".join(f"{kind} {search.above(energy):.1f}" for kind, energy, _ in one.points()) + " kJ/mol"
-
-
-def _path(name, way, **more):
-    return Path(**{**vars(way), "name": name, **more})
+    return ", ".join(f"{kind} {round(search.above(energy), 1) + 0:.1f}" for kind, energy, _ in one.points()) + " kJ/mol"
 
 
 def _named(search, found, signed):
@@ -81,7 +77,7 @@ def _paths(search, tops):
             dropped.append((name, way.why))
             search.say(f"{name}: no path: {way.why}")
         else:
-            found.append(_path(name, way, nu1=ends.saddle.nu1, far=ends.far))
+            found.append(Path(**vars(way), name=name, nu1=ends.saddle.nu1, far=ends.far))
     return search.result(found, dropped)
 
 
@@ -89,7 +85,7 @@ def _basins(search, ways):
     """The Result of ways on behind their saddles. Behind the saddle of a methyl group is the same shape once more."""
     named, dropped = _named(search, ways, False)
     same = [(t.name, "the same shape lies behind its barrier") for t in search.driven if t.rotor]
-    return search.result([_path(name, ways[job]) for job, name in named.items()], same + dropped)
+    return search.result([Path(**vars(ways[job]), name=name) for job, name in named.items()], same + dropped)
 
 
 # Paths between the minima of an ensemble
@@ -124,7 +120,7 @@ def _ensemble(search, minima):
         flips = [f"the ring {word}" for word in rotors.flipped(search.molecule, way.nodes)]
         if len(turning) == 1 and not flips and turning[0] not in [f.name for f in found]:
             name = turning[0]
-        found.append(_path(name, way, why=f"the minimum of frame {frame}"))
+        found.append(Path(**vars(way), name=name))
         say(f"frame {frame}: {name}, on which {', '.join(flips + turning) or 'no bond'} turns: {_points(search, way)}")
     for name, why in dropped:
         say(f"{name}: no path: {why}")
