@@ -1,4 +1,4 @@
-"""Shapes: superposition, internal coordinates, and when two shapes are the same.
+"""Shapes: superposition, bonds and internal coordinates.
 
 Positions in bohr, arrays (atoms, 3); angles in radians.
 """

@@ -60,32 +60,25 @@ class Remedies:
         return one if len(one.sides) == 6 and all(0 <= v < 100 for v in one.sides) and 0 < one.softer < 1 << 20 else cls()
 
 
-@dataclass(frozen=True)
-class Plan:
-    """What the grid is made of. paths: by their barriers, the lowest first; definition: None where a file that was
-    changed by hand stands for it; seconds: that the grid takes, about, where a coarse one told it."""
-    paths: list
-    definition: Definition = None
-    seconds: float = None
-
-
 def make_grid(start, shapes):
-    """The Plan of the grid that has no fault, after as many as that takes. With --until definition its grid is not
+    """The Definition of the grid that has no fault, after as many as that takes. With --until definition its grid is not
     there yet."""
     kept = start.folder
     name = kept.name()
-    by_hand = kept.changed_by_hand(f"{name}.toml")
+    toml = f"{name}.toml"
+    by_hand = kept.changed_by_hand(toml)
     if by_hand:
-        kept.say(f"{name}.toml was changed by hand: it is kept")
+        kept.say(f"{toml} was changed by hand: it is kept")
     key = [kept.digest("report.tsv"), start.options.paths, start.options.basins, start.options.spacing]
     remedies = Remedies.of(kept.recall("remedies", key))
     while True:
-        plan, fault = (Plan(paths_of(kept.path(f"{name}.toml"))), None) if by_hand else planned(start, shapes, remedies)
+        one, fault = (Definition(name, paths_of(kept.path(toml))), None) if by_hand else planned(start, shapes, remedies)
         if fault is None and start.options.until is None:
-            fault = grid_fault(start, plan, remedies.may_widen)
+            # Where a coarse grid told the spacing it told the room, too.
+            fault = grid_fault(start, one, start.options.spacing and remedies.may_widen and not by_hand)
         if fault is None:
-            return plan
-        cured = None if by_hand else cure(remedies, fault, plan)
+            return one
+        cured = None if by_hand else cure(remedies, fault, one)
         if cured is None:
             raise (BreaksRule if fault.kind == RULE else Failed)(fault.text)
         remedies, words = cured
@@ -93,40 +86,39 @@ def make_grid(start, shapes):
         kept.say("  " + words)
 
 
-def cure(remedies, fault, plan):
-    """(Remedies that also cure the fault of a plan's grid, what is done in words), None where there is no cure."""
-    rule = plan.definition.stiffness
+def cure(remedies, fault, definition):
+    """(Remedies that also cure the fault of a grid, what is done in words), None where there is no cure."""
+    rule, paths = definition.stiffness, definition.paths
     if fault.kind == ROOM:
         more = tuple(a + b for a, b in zip(remedies.sides, fault.sides))
         return replace(remedies, sides=more), f"{fault.text}, which is made wider"
     if fault.kind == RULE and rule != rule.softer(2):
         # Where the molecule cannot yield, the probe goes through it, and the spacing does not resolve that.
         return replace(remedies, softer=2 * remedies.softer), f"{fault.text}: anchors half as stiff are tried"
-    if fault.kind in HOPELESS and plan.paths:
-        stiffest, why = plan.paths[-1], HOPELESS[fault.kind]
+    if fault.kind in HOPELESS and paths:
+        stiffest, why = paths[-1], HOPELESS[fault.kind]
         return Remedies({**remedies.unwanted, stiffest: why}), f"{stiffest} is left out: {why}"
     return None
 
 
 def planned(start, shapes, remedies):
-    """(Plan, the Fault of its coarse grid or None)."""
+    """(the Definition of the grid, the Fault of its coarse grid or None)."""
     o, kept = start.options, start.folder
     paths = choice.choose(start, shapes, remedies.unwanted)
     one = Definition.around(start.molecule, shapes, paths, o.basins, o.spacing or 0.0, remedies.sides)
     one.torsions = start.turned_by(paths)
     one.stiffness = stiffness_of(start, shapes, paths, remedies.softer)
-    plan = Plan(paths, one)
     if not o.spacing:
-        plan, fault = resolved(start, shapes, plan, remedies.may_widen)
+        one, fault = resolved(start, shapes, one, remedies.may_widen)
         if fault is not None:
-            return plan, fault
-    text = plan.definition.text()
+            return one, fault
+    text = one.text()
 
     def compute():
         kept.write(f"{kept.name()}.toml", text)
         return [f"{kept.name()}.toml"]
     kept.step("definition", f"writing {kept.name()}.toml", [], [text, kept.name()], compute)
-    return plan, None
+    return one, None
 
 
 def stiffness_of(start, shapes, paths, softer):
@@ -146,9 +138,9 @@ def stiffness_of(start, shapes, paths, softer):
     return kept.kept.take(key, compute, lambda values: stiffness.Stiffness(*map(xyz.finite, values))).softer(softer)
 
 
-def resolved(start, shapes, plan, may_widen):
-    """(the Plan with the spacing that a coarse grid tells, the Fault of the coarse grid or None)."""
-    kept, threads, coarse = start.folder, start.options.threads, plan.definition
+def resolved(start, shapes, coarse, may_widen):
+    """(the Definition with the spacing that a coarse grid tells, the Fault of the coarse grid or None)."""
+    kept, threads = start.folder, start.options.threads
     text = coarse.text()
 
     def compute():
@@ -161,17 +153,17 @@ def resolved(start, shapes, plan, may_widen):
         return ["coarse.toml", "coarse.grid", "coarse.grid.cost", "coarse.json"]
     fault = kept.step("resolution", "", shapes.files(), [text, resolution.WANTED], compute)
     if fault is not None:
-        return plan, fault
+        return coarse, fault
     spacing = resolution.decide(kept.read("coarse.json"), coarse)
     seconds = resolution.scaled(grid.cpu_seconds(kept, "coarse.grid") / threads, coarse.spacing, spacing)
-    plan = Plan(plan.paths, replace(coarse, spacing=spacing), seconds)
-    kept.say(f"  spacing {spacing:g} Å, {math.prod(plan.definition.counts())} points, {about(seconds, threads)}")
+    one = replace(coarse, spacing=spacing, seconds=seconds)
+    kept.say(f"  spacing {spacing:g} Å, {math.prod(one.counts())} points, {about(seconds, threads)}")
     if seconds > LONG:
         coarser = resolution.coarser(spacing)
         points = math.prod(replace(coarse, spacing=coarser).counts())
         kept.say(f"  where that is too long: --spacing {coarser:g} has {points} points and takes about "
                  f"{duration(resolution.scaled(seconds, spacing, coarser))}, but its shapes are farther off")
-    return plan, None
+    return one, None
 
 
 def computed(start, what, name, seconds, look_for_room):
@@ -202,17 +194,16 @@ def short_of_room(folder, made):
     return Fault(ROOM, "the molecule is pushed as far as a side of the box", tuple((spacing * sides).tolist()))
 
 
-def grid_fault(start, plan, may_widen):
+def grid_fault(start, definition, look_for_room):
     """Computes and verifies the grid; its Fault, or None."""
     o, kept = start.options, start.folder
     name = kept.name()
     toml, made = f"{name}.toml", f"{name}.grid"
 
     def compute():
-        # Where a coarse grid told the spacing it told the room, too.
-        return computed(start, f"computing {made}, how the molecule yields at each place of the probe", name, plan.seconds,
-                        o.spacing and may_widen and plan.definition is not None) or [made, f"{made}.cost"]
-    fault = kept.step("grid", "", [toml, "conformation.xyz", *(path + ".xyz" for path in plan.paths)], [], compute)
+        what = f"computing {made}, how the molecule yields at each place of the probe"
+        return computed(start, what, name, definition.seconds, look_for_room) or [made, f"{made}.cost"]
+    fault = kept.step("grid", "", [toml, "conformation.xyz", *(path + ".xyz" for path in definition.paths)], [], compute)
     if fault is not None:
         return fault
     title = "checking that the grid is whole and that its states are the model's"

@@ -69,9 +69,9 @@ def run(options):
     start = read(options)
     shapes = find_structures(start)
     if options.until != "structures":
-        plan = grids.make_grid(start, shapes)
+        definition = grids.make_grid(start, shapes)
         if options.until is None:
-            return show(start, shapes, plan)
+            return show(start, shapes, definition.paths)
     start.folder.say(f"stopped after the {options.until}: the same command without --until goes on")
     return ""
 
@@ -151,7 +151,7 @@ def estimate(start):
     start.folder.say(f"  {about(seconds, cores)} for conformation and barriers, more where a lower minimum is found")
 
 
-def show(start, shapes, plan):
+def show(start, shapes, paths):
     """The line that shows the grid."""
     o, kept = start.options, start.folder
     grid = f"{kept.name()}.grid"
@@ -162,7 +162,7 @@ def show(start, shapes, plan):
         raise Failed(f"{kept.path(grid)}: no way of the probe is found that pushes the molecule; hapgrid feel shows the grid")
     facts = [start.source, start.molecule.charge, start.molecule.unpaired, start.method]
     kept.step("page", "writing the page", [grid, *made, "rotors.tsv", "report.tsv", "verify.txt"], facts,
-              lambda: page.write(start, start.turned_by(plan.paths), made))
+              lambda: page.write(start, start.turned_by(paths), made))
     out = o.output.rstrip("/") or "/"
     out = f"./{out}" if out.startswith("-") else out
     kept.say(f"done: {out}/index.html sums up")
