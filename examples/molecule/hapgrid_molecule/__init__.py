@@ -13,7 +13,7 @@ xtb (energies), geometry, optimise (minima and saddles), rotors (which bonds tur
 A grid is made: choice (the softest paths that are sane together), stiffness (of the anchors), definition (box and
 MODEL.toml), resolution (the spacing).
 
-The probe's way: pushing (turns a torsion, or leads over a barrier and back), page (page.html is its frame).
+The probe's way: pushing (turns a torsion, or leads over a barrier), page (page.html is its frame).
 """
 
 import os

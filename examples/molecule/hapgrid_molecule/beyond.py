@@ -17,23 +17,18 @@ JUMP = 3.0  # times the way that the atoms go: how far an aligned shape moves wh
 BACK = "back in the conformation"
 
 
-def _leg(search, torsion, sign, start, apart):
-    """path.over() the next saddle from a minimum."""
-    left = search.start.options.highest / HARTREE - (start.energy - search.energy)
-    ends = search.ends(search.climbed(*torsions.scan(search.surface, start, torsion, sign, highest=left)), start.x)
-    if not search.same(ends.near.x, start.x):
-        raise optimise.NoPath(f"the saddle at {search.above(ends.saddle.energy):.2f} kJ/mol joins other minima")
-    if not search.intact(ends.far.x):
-        raise optimise.NoPath("bonds change")
-    return path.over(search.surface, ends, start, apart)
-
-
 def drive(search, torsion, sign, apart=None, known=()):
     """(Way, distance of its nodes) of a torsion in one direction. It ends before a saddle to one of the known minima."""
     way, at = Way([search.x], [search.energy]), search.rest
     for _ in range(LEGS):
         try:
-            up, down, at, apart = _leg(search, torsion, sign, at, apart)
+            left = search.start.options.highest / HARTREE - (at.energy - search.energy)
+            ends = search.ends(search.climbed(*torsions.scan(search.surface, at, torsion, sign, highest=left)), at.x)
+            if not search.same(ends.near.x, at.x):
+                raise optimise.NoPath(f"the saddle at {search.above(ends.saddle.energy):.2f} kJ/mol joins other minima")
+            if not search.intact(ends.far.x):
+                raise optimise.NoPath("bonds change")
+            up, down, at, apart = path.over(search.surface, ends, at, apart)
         except (optimise.NoPath, XtbError) as why:
             way.why = str(why)
             break
@@ -101,10 +96,9 @@ def _cut(search, circle):
     last = len(circle.nodes) - 1
     back = Way([circle.nodes[0], *circle.nodes[-2::-1]], [circle.energies[0], *circle.energies[-2::-1]], 0,
                {last - k: kind for k, kind in circle.kinds.items()}, circle.why)
-    saddles = [k for k, kind in circle.kinds.items() if kind == "saddle"]
+    saddles = sorted((k for k, kind in circle.kinds.items() if kind == "saddle"), key=lambda k: -circle.energies[k])
     if len(saddles) == 1:  # of the same shape once more
         return circle, _part(back, 1)
-    saddles.sort(key=lambda k: -circle.energies[k])
     parts = [(_part(circle, k), _part(back, last - k)) for k in saddles]
-    smooth = [both for both in parts if all(_jump(search, part.nodes) is None for part in both)]
-    return smooth[0] if smooth else tuple(_before_jump(search, part) for part in parts[0])
+    smooth = (both for both in parts if all(_jump(search, part.nodes) is None for part in both))
+    return next(smooth, None) or tuple(_before_jump(search, part) for part in parts[0])

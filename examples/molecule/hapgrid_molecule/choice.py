@@ -26,22 +26,25 @@ def choose(start, result, unwanted):
     lowest_first = sorted(result.found, key=lambda f: f.barrier)
 
     def compute():
-        taken, left, said = [], {}, {}
-        for name in (f.name for f in lowest_first):
-            if name in unwanted:
-                left[name] = unwanted[name]
-            elif len(taken) == o.paths:
-                left[name] = f"stiffer than the {o.paths} that are taken (--paths)"
-            elif fault := _fault(start, result, Definition.around(start.molecule, result, [*taken, name], o.basins)):
-                left[name] = fault
-            else:
-                taken.append(name)
+        rows, taken, left = [], [], {}
+        for f in lowest_first:
+            why = unwanted.get(f.name) or (
+                f"stiffer than the {o.paths} that are taken (--paths)" if len(taken) == o.paths else
+                _fault(start, result, Definition.around(start.molecule, result, [*taken, f.name], o.basins)))
+            if not why:
+                taken.append(f.name)
+            rows.append((f.name, f"{(f.barrier - result.energy) * HARTREE:.2f}", "no" if why else "yes", why or "-"))
+        rows += [(name, "-", "no", why) for name, why in result.dropped]
+        # Between minima of an ensemble no single bond may turn.
+        atoms = {name: "-".join(label(result.numbers, a) for a in t.atoms)
+                 for t in start.turning for name in (t.name, *t.file_names())}
+        table = [ROTORS, *((name, atoms.get(name, "-"), *rest) for name, *rest in rows)]
+        kept.write("rotors.tsv", "".join("\t".join(row) + "\n" for row in table))
         kept.say("  taken: " + (", ".join(taken) or "no path: the molecule keeps its shape"))
-        kept.write("rotors.tsv", table(result, start.turning, start.still, taken, left))
-        for row in files.rows(kept, "rotors.tsv", ROTORS):
-            if row["taken"] == "no":
-                said.setdefault(row["why"], []).append(row["path"])
-        for why, names in said.items():
+        for name, _, is_taken, why in rows:
+            if is_taken == "no":
+                left.setdefault(why, []).append(name)
+        for why, names in left.items():
             kept.say(f"  left out: {', '.join(names)}: {why}")
         return ["rotors.tsv"]
     kept.step("choice", "choosing the softest paths that are sane together", [*result.files(), "report.tsv"],
@@ -61,8 +64,8 @@ def _fault(start, result, definition):
         found = json.loads(ran.out)
         for problem in found["problems"]:
             names = [definition.paths[n] for n in problem["paths"]]
-            some = " and ".join(names) + " combined: " * (len(names) == 2) + ": " * (len(names) == 1)
-            return (some if len(names) < 3 else "all paths combined: ") + problem["what"]
+            who = " and ".join(names) if len(names) < 3 else "all paths"
+            return f"{who}{' combined' * (len(names) > 1)}{': ' * bool(names)}{problem['what']}"
         combined = [m for m in found["minima"] if sum(t != 0 for t in m["t"]) > 1]
         return _missed(start, result.x, name, combined) if start.options.basins and combined else ""
     finally:
@@ -85,20 +88,3 @@ def shape(folder, definition, t):
     """The atoms (angstrom) of the model at t."""
     text = folder.run("molecule-check", definition, "--xyz=" + ",".join(map(repr, t))).out
     return xyz.frames_of(text, definition)[0].x
-
-
-def table(result, rotors, stay, taken, left):
-    """rotors.tsv: what was tried, taken and left out, and why."""
-    atoms = {t.name: "-".join(label(result.numbers, a) for a in t.atoms) for t in rotors}
-    found, dropped = {f.name: f for f in result.found}, dict(result.dropped)
-    known = {**found, **dropped}
-    tried = [(name, atoms[t.name]) for t in rotors for name in ([t.name] if t.name in known else t.file_names())]
-    # Between minima of an ensemble no single bond may turn.
-    tried += [(name, "-") for name in known if name not in dict(tried)]
-    lines = ["\t".join(ROTORS)]
-    for name, turns in tried:
-        barrier = f"{(found[name].barrier - result.energy) * HARTREE:.2f}" if name in found else "-"
-        why = "-" if name in taken else left.get(name) or dropped.get(name, "not found")
-        lines.append("\t".join((name, turns, barrier, "yes" if name in taken else "no", why or "-")))
-    lines += ["\t".join((name, name, "-", "no", why)) for name, why in stay]
-    return "\n".join(lines) + "\n"

@@ -90,8 +90,6 @@ def _options(arguments):
     o = parser().parse_args(arguments)
     if (o.smiles is None) == (o.file is None):
         raise UsageError("give either FILE or --smiles (see --help)")
-    if o.smiles is not None:
-        o.search = True
     return o
 
 

@@ -28,16 +28,18 @@ LEAST_POINTS = 8
 
 @dataclass
 class Definition:
-    """low, high: corners of the box, angstrom. paths: names of files without their ending. torsions:
-    those that the paths turn."""
+    """low, high: corners of the box, angstrom. paths: names of files without their ending; of a definition that was changed
+    by hand nothing else is here. torsions: those that the paths turn; seconds: that the grid takes, about, where that is
+    known."""
     title: str
     paths: list
-    low: np.ndarray
-    high: np.ndarray
+    low: np.ndarray = None
+    high: np.ndarray = None
     spacing: float = 1.0
     torsions: tuple = ()
     basins: bool = False  # whether paths go on behind their saddles
     stiffness: Stiffness = Stiffness()
+    seconds: float = None
 
     @classmethod
     def around(cls, molecule, result, paths, basins=False, spacing=0.0, room=()):

@@ -1,6 +1,5 @@
 """The files of structures: XYZ files and the report, written and read."""
 
-import os
 import re
 
 import numpy as np
@@ -9,10 +8,10 @@ from hapgrid_command.files import is_plain, remove
 from . import geometry, xyz
 from .elements import MASSES, SYMBOLS
 from .molecule import BadInput
-from .results import Path, Result, SAME_SHAPE
+from .results import Path, Result
 from .xtb import BOHR, HARTREE
 
-REPORT = ("name", "kind", "energy_kJ_mol", "imaginary", "nu1_cm-1", "joins", "method", "torsions_deg")  # heads of report.tsv
+REPORT = ("name", "kind", "energy_kJ_mol", "nu1_cm-1", "torsions_deg")  # heads of report.tsv
 NO_PATH = "# no path: "
 
 
@@ -23,29 +22,21 @@ def frame(numbers, x, comment):
     return "\n".join(lines) + "\n"
 
 
-def angles(torsions, x):
-    """Torsions in whole degrees, -179 to 180, by name."""
-    return {t.name: 180 - (180 - round(float(np.degrees(geometry.torsion(x, *t.atoms))))) % 360 for t in torsions}
-
-
 def words(torsions, x):
-    return " ".join(f"{name}={value}" for name, value in angles(torsions, x).items())
+    """Torsions in whole degrees, -179 to 180."""
+    return " ".join(f"{t.name}={180 - (180 - round(float(np.degrees(geometry.torsion(x, *t.atoms))))) % 360}" for t in torsions)
 
 
 def _path_text(result, found):
     out, last = [], len(found.nodes) - 1
+    stationary = {found.start: "minimum", **(found.kinds or {last: "saddle"})}
     for k, (x, energy) in enumerate(zip(found.nodes, found.energies)):
-        rise = 0.0 if k == found.start else (energy - result.energy) * HARTREE
-        t = (k - found.start) / last
+        rise, t = (energy - result.energy) * HARTREE, (k - found.start) / last
         title = f"dE={rise:.4f} t={t:.{4 if found.goes_on else 1}f} E={energy:.9f} method={result.method}"
-        if k == found.start and (found.goes_on or result.nu1 is not None):
-            title += " nimag=0"
-        elif k in found.kinds:
-            title += f" nimag={int(found.kinds[k] == 'saddle')}"
-        elif k == last and not found.goes_on:
-            title += f" nimag=1 nu1=i{-found.nu1:.0f}" if found.nu1 is not None else ""
-            title += " torsion=" + found.name.removesuffix("-plus").removesuffix("-minus")
-        if k == found.start or k in found.kinds or k == last and not found.goes_on:
+        nu1 = result.nu1 if k == found.start else found.nu1
+        if k in stationary:
+            title += f" nimag={int(stationary[k] == 'saddle')}" if found.goes_on or nu1 is not None else ""
+            title += f" nu1=i{-nu1:.0f}" if nu1 is not None and stationary[k] == "saddle" else ""
             title += " " + words(result.torsions, x)
         out.append(frame(result.numbers, x, title))
     return "".join(out)
@@ -55,27 +46,18 @@ def report_text(result, command):
     """The table of stationary points, tab-separated; lines that begin with # are remarks."""
     table = [REPORT]
 
-    def add(name, kind, energy, imaginary, nu1, joins, torsions):
+    def add(name, kind, energy, nu1, x):
         nu1 = "-" if nu1 is None else f"{nu1:.0f}".replace("-", "i")
-        table.append((name, kind, f"{(energy - result.energy) * HARTREE:.2f}", imaginary, nu1, joins, result.method, torsions))
-    add("conformation", "minimum", result.energy, "0" if result.nu1 is not None else "-", result.nu1, "-",
-        words(result.torsions, result.x))
-    before = angles(result.torsions, result.x)
+        table.append((name, kind, f"{round((energy - result.energy) * HARTREE, 2) + 0:.2f}", nu1, words(result.torsions, x)))
+    add("conformation", "minimum", result.energy, result.nu1, result.x)
     for found in result.found:
-        if found.goes_on:  # as high as its highest node
-            top = int(np.argmax(found.energies))
-            add(found.name, "path", found.barrier, "-", None, f"ends: {found.why}", words(result.torsions, found.nodes[top]))
-            for n, (node, kind) in enumerate(found.kinds.items(), 1):
-                add(f"{found.name}:{n}", f"{kind} on the path", found.energies[node], str(int(kind == "saddle")), None, "-",
-                    words(result.torsions, found.nodes[node]))
-            continue
-        after = angles(result.torsions, found.nodes[-1])
-        far = f"{found.name}:far" if not found.equal else "conformation, equal atoms exchanged"
-        add(found.name, "saddle", found.energies[-1], "1" if found.nu1 is not None else "-", found.nu1,
-            "conformation and " + far if found.far is not None else "-", " ".join(f"{n}={before[n]}>{after[n]}" for n in before))
-        if not found.equal and found.far is not None:
-            add(far, "minimum", found.far.energy, "0", found.far.nu1, "-", words(result.torsions, found.far.x))
-    return "\n".join(["# " + command, "# energies above the conformation; torsions in degrees, of a saddle before>after",
+        top = int(np.argmax(found.energies)) if found.goes_on else -1
+        add(found.name, "path" if found.goes_on else "saddle", found.energies[top], found.nu1, found.nodes[top])
+        for n, (kind, energy, x) in enumerate(found.points(), 1):
+            add(f"{found.name}:{n}", f"{kind} on the path", energy, None, x)
+        if found.far is not None:
+            add(f"{found.name}:far", "minimum", found.far.energy, found.far.nu1, found.far.x)
+    return "\n".join(["# " + command, "# energies above the conformation; torsions in degrees",
                       *("\t".join(row) for row in table), *(f"{NO_PATH}{name}: {why}" for name, why in result.dropped)]) + "\n"
 
 
@@ -87,61 +69,34 @@ def rows(folder, name, heads):
     return [dict(zip(lines[0], line)) for line in lines[1:]]
 
 
-def _listed(folder):
-    """The paths that the report names. Errors: BadInput, where a name is none of a file beside it."""
-    if not os.path.exists(folder.path("report.tsv")):
-        return []
-    names = [row["name"] for row in rows(folder, "report.tsv", REPORT) if row["kind"] in ("saddle", "path")]
-    for name in names:
-        if not is_plain(name):
-            raise BadInput(f"{folder.path('report.tsv')}: '{name}' is no name of a path: remove the report, and all is computed "
-                           "anew")
-    return names
-
-
-def lie_as_before(folder, result):
-    """Turns a Result as the conformation lies that an earlier run left in this folder, if it is the same one but for the
-    numbers of its hydrogens: a box that was changed by hand then fits the new shapes. Once more, that changes no digit."""
-    if not os.path.exists(folder.path("conformation.xyz")):
-        return
-    before = xyz.frames(folder.path("conformation.xyz"))[0]
-    if before.numbers != result.numbers or geometry.equal_in_file(result.x, before.x / BOHR):
-        return
-    reference, heavy = before.x / BOHR, np.array(result.numbers) > 1
-    x = geometry.aligned(result.x, reference, np.where(heavy, result.masses, 0.0))
-    if geometry.rms(x[heavy], reference[heavy]) < SAME_SHAPE:
-        x = geometry.as_in_file(geometry.centred(x, result.masses))
-        result.x = reference if geometry.equal_in_file(x, reference) else x
-        for found in result.found:
-            found.nodes = [geometry.aligned(y, result.x, result.masses) for y in found.nodes]
-            found.nodes[found.start] = result.x
-
-
 def write_set(folder, result, command):
-    """Writes all files of a molecule and returns their names. The report is written last: where there is one, the set is
-    whole."""
+    """Writes all files of a molecule and returns their names."""
     known = "nimag=0 " if result.nu1 is not None else ""
     title = f"dE=0.0000 E={result.energy:.9f} method={result.method} {known}{words(result.torsions, result.x)}"
     texts = {"conformation.xyz": frame(result.numbers, result.x, title)}
     texts.update((found.name + ".xyz", _path_text(result, found)) for found in result.found)
-    old = {name + ".xyz" for name in _listed(folder)}
-    remove(folder.path("report.tsv"))
-    for name in old - set(texts):  # paths from another conformation would be wrong
-        remove(folder.path(name))
     texts["report.tsv"] = report_text(result, command)
+    for name in set(folder.made("structures")) - set(texts):  # paths from another conformation would be wrong
+        remove(folder.path(name))
     for name, text in texts.items():
         folder.write(name, text)
     return list(texts)
 
 
 def read_set(folder):
-    """The Result that the files of the folder have, changed by hand or not. Energies are above the conformation."""
+    """The Result that the files of the folder have, changed by hand or not. Energies are above the conformation. Errors:
+    BadInput, also where the report names a file that is not beside it."""
     first = folder.path("conformation.xyz")
     conformation = xyz.frames(first)[0]
     strange = set(conformation.numbers) - set(MASSES)
     if strange:
         raise BadInput(f"{first}: {SYMBOLS[min(strange)]} is no element that can be felt")
-    found = [_path(name, folder.path(name + ".xyz"), conformation) for name in _listed(folder)]
+    names = [row["name"] for row in rows(folder, "report.tsv", REPORT) if row["kind"] in ("saddle", "path")]
+    for name in names:
+        if not is_plain(name):
+            raise BadInput(f"{folder.path('report.tsv')}: '{name}' is no name of a path: remove the report, and all is computed "
+                           "anew")
+    found = [_path(name, folder.path(name + ".xyz"), conformation) for name in names]
     dropped = re.findall(f"^{NO_PATH}(.*?): (.*)$", folder.read("report.tsv"), re.M)
     return Result(conformation.numbers, np.array([MASSES[z] for z in conformation.numbers]), "", [], conformation.x / BOHR, 0.0,
                   None, found, dropped)

@@ -1,9 +1,11 @@
-"""Shapes: superposition, internal coordinates, and when two shapes are the same.
+"""Shapes: superposition, bonds and internal coordinates.
 
 Positions in bohr, arrays (atoms, 3); angles in radians.
 """
 
 import numpy as np
+from scipy.linalg import orth
+from scipy.spatial.transform import Rotation
 
 from .elements import COVALENT
 from .xtb import BOHR
@@ -55,10 +57,6 @@ def as_in_file(x):
     return np.round(x * BOHR, 8) / BOHR
 
 
-def equal_in_file(x, y):
-    return np.abs(x - y).max() * BOHR < 1e-7
-
-
 def rms(x, y):
     """Root mean square displacement of the atoms, without superposition."""
     return np.sqrt(((x - y) ** 2).sum() / len(x))
@@ -69,8 +67,7 @@ def rigid_vectors(x, weights):
     root = np.sqrt(weights)[:, None]
     c = centred(x, weights)
     columns = [(root * column).ravel() for axis in np.eye(3) for column in (axis, np.cross(axis, c))]
-    u, s, _ = np.linalg.svd(np.array(columns).T, full_matrices=False)
-    return u[:, s > 1e-6 * s[0]]
+    return orth(np.array(columns).T, rcond=1e-6)
 
 
 def torsion(x, i, j, k, l):
@@ -106,11 +103,8 @@ def wrapped(a):
 
 def rotated_about(x, j, k, side, turn):
     """x with the atoms of `side` turned by an angle about the bond from j to k."""
-    axis = (x[k] - x[j]) / np.linalg.norm(x[k] - x[j])
-    out = x.copy()
-    v = x[side] - x[k]
-    out[side] = (x[k] + v * np.cos(turn) + np.cross(axis, v) * np.sin(turn)
-                 + np.outer(v @ axis, axis) * (1 - np.cos(turn)))
+    out, axis = x.copy(), (x[k] - x[j]) / np.linalg.norm(x[k] - x[j])
+    out[side] = x[k] + Rotation.from_rotvec(turn * axis).apply(x[side] - x[k])
     return out
 
 
@@ -207,12 +201,3 @@ def _placed(r, theta, tau, to_b, b_to_c):
     e2 /= np.linalg.norm(e2)
     e3 = np.cross(e2, e1)  # IUPAC: clockwise, seen along the bond
     return r * (np.cos(theta) * e1 + np.sin(theta) * (np.cos(tau) * e2 + np.sin(tau) * e3))
-
-
-def fingerprint(numbers, x):
-    """The sorted distances for each pair of elements. They are the same for a shape, its mirror
-    image, and a shape with equal atoms exchanged."""
-    i, j = np.triu_indices(len(x), 1)
-    elements = np.sort([np.take(numbers, i), np.take(numbers, j)], axis=0)
-    distance = np.linalg.norm(x[i] - x[j], axis=1)
-    return distance[np.lexsort((distance, elements[1], elements[0]))]

@@ -20,7 +20,7 @@ from .definition import Definition, MAX_LEVELS, PENALTY, paths_of
 from .xtb import BOHR, HARTREE
 
 VERIFY_SHARE = 0.15  # of the time that the grid took, about
-WIDENED = 4  # times, at most
+MOST_ROOM = 4.0  # angstrom that a side of the box is moved outwards, before no more room is looked for
 LONG = 900  # seconds: for a grid that takes longer a coarser one is named
 RIGID = 6  # the last numbers of a state: shift and rotation
 # Why expand cannot compute a grid, by the word that it writes to the file of --cost, and what that means for the
@@ -42,52 +42,43 @@ class Fault:
 @dataclass(frozen=True)
 class Remedies:
     """What was learnt from grids that had a fault. unwanted: paths, and why; softer: how many times softer anchors are
-    than the rule has them; sides: as in Fault; widened: how often."""
+    than the rule has them; sides: as in Fault."""
     unwanted: dict = field(default_factory=dict)
     softer: int = 1
     sides: tuple = (0.0,) * 6
-    widened: int = 0
 
-    may_widen = property(lambda self: self.widened < WIDENED)
+    may_widen = property(lambda self: max(self.sides) < MOST_ROOM)
 
     @classmethod
     def of(cls, kept):
         """Those that asdict() gave, or none where `kept` is something else: it may come from a stranger."""
         try:
             one = cls({str(k): str(why) for k, why in kept["unwanted"].items()}, int(kept["softer"]),
-                      tuple(map(float, kept["sides"])), int(kept["widened"]))
+                      tuple(map(float, kept["sides"])))
         except (TypeError, ValueError, KeyError, AttributeError, OverflowError):
             return cls()
-        sound = len(one.sides) == 6 and all(0 <= v < 100 for v in one.sides) and 0 < one.softer < 1 << 20
-        return one if sound and 0 <= one.widened <= WIDENED else cls()
-
-
-@dataclass(frozen=True)
-class Plan:
-    """What the grid is made of. paths: by their barriers, the lowest first; definition: None where a file that was
-    changed by hand stands for it; seconds: that the grid takes, about, where a coarse one told it."""
-    paths: list
-    definition: Definition = None
-    seconds: float = None
+        return one if len(one.sides) == 6 and all(0 <= v < 100 for v in one.sides) and 0 < one.softer < 1 << 20 else cls()
 
 
 def make_grid(start, shapes):
-    """The Plan of the grid that has no fault, after as many as that takes. With --until definition its grid is not
+    """The Definition of the grid that has no fault, after as many as that takes. With --until definition its grid is not
     there yet."""
     kept = start.folder
     name = kept.name()
-    by_hand = kept.changed_by_hand(f"{name}.toml")
+    toml = f"{name}.toml"
+    by_hand = kept.changed_by_hand(toml)
     if by_hand:
-        kept.say(f"{name}.toml was changed by hand: it is kept")
+        kept.say(f"{toml} was changed by hand: it is kept")
     key = [kept.digest("report.tsv"), start.options.paths, start.options.basins, start.options.spacing]
     remedies = Remedies.of(kept.recall("remedies", key))
     while True:
-        plan, fault = (Plan(paths_of(kept.path(f"{name}.toml"))), None) if by_hand else planned(start, shapes, remedies)
+        one, fault = (Definition(name, paths_of(kept.path(toml))), None) if by_hand else planned(start, shapes, remedies)
         if fault is None and start.options.until is None:
-            fault = grid_fault(start, plan, remedies.may_widen)
+            # Where a coarse grid told the spacing it told the room, too.
+            fault = grid_fault(start, one, start.options.spacing and remedies.may_widen and not by_hand)
         if fault is None:
-            return plan
-        cured = None if by_hand else cure(remedies, fault, plan)
+            return one
+        cured = None if by_hand else cure(remedies, fault, one)
         if cured is None:
             raise (BreaksRule if fault.kind == RULE else Failed)(fault.text)
         remedies, words = cured
@@ -95,40 +86,39 @@ def make_grid(start, shapes):
         kept.say("  " + words)
 
 
-def cure(remedies, fault, plan):
-    """(Remedies that also cure the fault of a plan's grid, what is done in words), None where there is no cure."""
-    rule = plan.definition.stiffness
+def cure(remedies, fault, definition):
+    """(Remedies that also cure the fault of a grid, what is done in words), None where there is no cure."""
+    rule, paths = definition.stiffness, definition.paths
     if fault.kind == ROOM:
         more = tuple(a + b for a, b in zip(remedies.sides, fault.sides))
-        return replace(remedies, sides=more, widened=remedies.widened + 1), f"{fault.text}, which is made wider"
+        return replace(remedies, sides=more), f"{fault.text}, which is made wider"
     if fault.kind == RULE and rule != rule.softer(2):
         # Where the molecule cannot yield, the probe goes through it, and the spacing does not resolve that.
         return replace(remedies, softer=2 * remedies.softer), f"{fault.text}: anchors half as stiff are tried"
-    if fault.kind in HOPELESS and plan.paths:
-        stiffest, why = plan.paths[-1], HOPELESS[fault.kind]
+    if fault.kind in HOPELESS and paths:
+        stiffest, why = paths[-1], HOPELESS[fault.kind]
         return Remedies({**remedies.unwanted, stiffest: why}), f"{stiffest} is left out: {why}"
     return None
 
 
 def planned(start, shapes, remedies):
-    """(Plan, the Fault of its coarse grid or None)."""
+    """(the Definition of the grid, the Fault of its coarse grid or None)."""
     o, kept = start.options, start.folder
     paths = choice.choose(start, shapes, remedies.unwanted)
     one = Definition.around(start.molecule, shapes, paths, o.basins, o.spacing or 0.0, remedies.sides)
     one.torsions = start.turned_by(paths)
     one.stiffness = stiffness_of(start, shapes, paths, remedies.softer)
-    plan = Plan(paths, one)
     if not o.spacing:
-        plan, fault = resolved(start, shapes, plan, remedies.may_widen)
+        one, fault = resolved(start, shapes, one, remedies.may_widen)
         if fault is not None:
-            return plan, fault
-    text = plan.definition.text()
+            return one, fault
+    text = one.text()
 
     def compute():
         kept.write(f"{kept.name()}.toml", text)
         return [f"{kept.name()}.toml"]
     kept.step("definition", f"writing {kept.name()}.toml", [], [text, kept.name()], compute)
-    return plan, None
+    return one, None
 
 
 def stiffness_of(start, shapes, paths, softer):
@@ -148,9 +138,9 @@ def stiffness_of(start, shapes, paths, softer):
     return kept.kept.take(key, compute, lambda values: stiffness.Stiffness(*map(xyz.finite, values))).softer(softer)
 
 
-def resolved(start, shapes, plan, may_widen):
-    """(the Plan with the spacing that a coarse grid tells, the Fault of the coarse grid or None)."""
-    kept, threads, coarse = start.folder, start.options.threads, plan.definition
+def resolved(start, shapes, coarse, may_widen):
+    """(the Definition with the spacing that a coarse grid tells, the Fault of the coarse grid or None)."""
+    kept, threads = start.folder, start.options.threads
     text = coarse.text()
 
     def compute():
@@ -163,26 +153,17 @@ def resolved(start, shapes, plan, may_widen):
         return ["coarse.toml", "coarse.grid", "coarse.grid.cost", "coarse.json"]
     fault = kept.step("resolution", "", shapes.files(), [text, resolution.WANTED], compute)
     if fault is not None:
-        return plan, fault
-    spacing, enough = resolution.decide(kept.read("coarse.json"), coarse)
-    took = grid.cpu_seconds(kept, "coarse.grid") / threads
-
-    def takes(spacing):
-        return resolution.scaled(took, coarse.spacing, spacing)
-    plan = Plan(plan.paths, replace(coarse, spacing=spacing), takes(spacing))
-    is_coarse = enough is not None and enough < 0.99 * spacing
-    finer = enough if is_coarse else spacing / 2
-    right = f"off by less than {resolution.WANTED:g} Å in 99 of 100 places"
-    kept.say(f"  spacing {spacing:g} Å, {math.prod(plan.definition.counts())} points, {about(plan.seconds, threads)}"
-             + (f", {right}" if enough is not None and not is_coarse else "")
-             + f"; --spacing {finer:.2g} would take about {duration(takes(finer))}" + (f" and be {right}" if is_coarse else ""))
-    if plan.seconds > LONG:
+        return coarse, fault
+    spacing = resolution.decide(kept.read("coarse.json"), coarse)
+    seconds = resolution.scaled(grid.cpu_seconds(kept, "coarse.grid") / threads, coarse.spacing, spacing)
+    one = replace(coarse, spacing=spacing, seconds=seconds)
+    kept.say(f"  spacing {spacing:g} Å, {math.prod(one.counts())} points, {about(seconds, threads)}")
+    if seconds > LONG:
         coarser = resolution.coarser(spacing)
         points = math.prod(replace(coarse, spacing=coarser).counts())
         kept.say(f"  where that is too long: --spacing {coarser:g} has {points} points and takes about "
-                 f"{duration(takes(coarser))}, but its shapes are farther off"
-                 + ("; a smaller number for --paths also saves time" if plan.paths else ""))
-    return plan, None
+                 f"{duration(resolution.scaled(seconds, spacing, coarser))}, but its shapes are farther off")
+    return one, None
 
 
 def computed(start, what, name, seconds, look_for_room):
@@ -191,11 +172,9 @@ def computed(start, what, name, seconds, look_for_room):
     seconds = seconds or grid.estimated(kept, f"{name}.toml", threads)
     kept.say(what + (", " + about(seconds, threads) if seconds else ""))
     failed = grid.compute(kept, what, f"{name}.toml", f"{name}.grid", threads, seconds)
-    if failed is None:
-        return short_of_room(kept, f"{name}.grid") if look_for_room else None
-    if failed[0] not in HOPELESS:
-        raise Failed(failed[1])
-    return Fault(*failed)
+    if failed is not None:
+        return Fault(*failed)
+    return short_of_room(kept, f"{name}.grid") if look_for_room else None
 
 
 def short_of_room(folder, made):
@@ -215,32 +194,22 @@ def short_of_room(folder, made):
     return Fault(ROOM, "the molecule is pushed as far as a side of the box", tuple((spacing * sides).tolist()))
 
 
-def grid_fault(start, plan, may_widen):
+def grid_fault(start, definition, look_for_room):
     """Computes and verifies the grid; its Fault, or None."""
     o, kept = start.options, start.folder
     name = kept.name()
-    toml, made, by_hand = f"{name}.toml", f"{name}.grid", plan.definition is None
-
-    def took():
-        return grid.cpu_seconds(kept, made) / o.threads
+    toml, made = f"{name}.toml", f"{name}.grid"
 
     def compute():
-        fault = computed(start, f"computing {made}, how the molecule yields at each place of the probe", name, plan.seconds,
-                         may_widen and not by_hand)
-        if fault is not None and (o.spacing or fault.kind != ROOM):
-            return fault
-        if fault is not None:
-            kept.say(f"  at a side of the box the molecule is held: change origin and counts in {toml} for more room")
-        if o.spacing and not by_hand:
-            kept.say(f"  --spacing {o.spacing / 2:.2g} would take about {duration(resolution.scaled(took(), 1, 0.5))}")
-        return [made, f"{made}.cost"]
-    fault = kept.step("grid", "", [toml, "conformation.xyz", *(path + ".xyz" for path in plan.paths)], [], compute)
+        what = f"computing {made}, how the molecule yields at each place of the probe"
+        return computed(start, what, name, definition.seconds, look_for_room) or [made, f"{made}.cost"]
+    fault = kept.step("grid", "", [toml, "conformation.xyz", *(path + ".xyz" for path in definition.paths)], [], compute)
     if fault is not None:
         return fault
     title = "checking that the grid is whole and that its states are the model's"
 
     def verify():
-        if not grid.verify(kept, title, made, o.threads, VERIFY_SHARE * took()):
-            return Fault(RULE, f"{made} breaks a rule: see {kept.path('verify.txt')}")
-        return ["verify.txt"]
+        seconds = VERIFY_SHARE * grid.cpu_seconds(kept, made) / o.threads
+        fine = grid.verify(kept, title, made, o.threads, seconds)
+        return ["verify.txt"] if fine else Fault(RULE, f"{made} breaks a rule: see {kept.path('verify.txt')}")
     return kept.step("verify", title, [made], [], verify)

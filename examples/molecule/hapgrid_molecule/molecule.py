@@ -1,23 +1,19 @@
 """A molecule, its force field, and sampling its conformers, with RDKit."""
 
-import itertools
 import os
 import stat
 
 import numpy as np
 from hapgrid_command.files import Failed
 from rdkit import Chem, RDLogger
-from rdkit.Chem import rdForceFieldHelpers, rdMolDescriptors
+from rdkit.Chem import rdDistGeom, rdForceFieldHelpers, rdMolDescriptors
 from rdkit.ForceField import rdForceField  # Python must know the type of force fields
-
-from . import torsions as torsions_of
-from . import geometry
 
 RDLogger.DisableLog("rdApp.*")  # what it says is for programmers
 
 MOST_BYTES = 8 << 20  # of a file from outside
 STEPS = 500  # of the force field for a conformer
-TRIES = 200  # combinations of torsions, at least: all of a dipeptide
+SEED, TRIES, ITERATIONS = 1, 100, 20  # of distance geometry
 AMIDE = "[CX3](=O)-[#7]"
 
 
@@ -146,36 +142,19 @@ def read_bytes(path):
         return file.read(MOST_BYTES)
 
 
-def conformers(molecule, torsions, number, seed):
-    """Up to `number` shapes (angstrom), relaxed by the force field, lowest first, none twice.
+def conformers(molecule, number):
+    """Up to `number` shapes (angstrom) by distance geometry, relaxed by the force field, the lowest first, none twice. Torsions
+    are drawn without the preferences of ETKDG, which are those of crystals.
 
-    Each torsion is turned in steps of 60 degrees, and amides are cis and trans. All combinations are tried when they are few,
-    otherwise random ones. Open Babel's Confab leaves hydroxyl groups as they are: its lowest ethylene glycol is 1.6 kcal/mol
-    above the one that this finds.
+    Open Babel's Confab leaves hydroxyl groups as they are: its lowest ethylene glycol is 1.6 kcal/mol above the one that this
+    finds.
     """
-    turns = [(t, np.radians(np.arange(-180, 180, 60))) for t in torsions
-             if not t.rotor and tuple(sorted(t.atoms[1:3])) not in molecule.amides]
-    near = molecule.neighbours
-    turns += [(torsions_of.make(molecule.numbers, near, None, None, j, k, None), np.radians([180, 0]))
-              for j, k in molecule.amides if min(len(near[j]), len(near[k])) > 1]
-    combinations = np.prod([len(angles) for _, angles in turns], dtype=float)
-    tries = max(TRIES, 20 * number)
-    if combinations <= tries:
-        choices = itertools.product(*(angles for _, angles in turns))
-    else:
-        random = np.random.default_rng(seed)
-        choices = ([random.choice(angles) for _, angles in turns] for _ in range(tries))
-    _, first = relaxed(molecule.rd, molecule.positions, STEPS)
-    found, far = [], Chem.GetDistanceMatrix(molecule.rd) > 2  # bonds
-    for choice in choices:
-        x = first
-        for (t, _), wanted in zip(turns, choice):
-            x = t.turned(x, wanted - geometry.torsion(x, *t.atoms))
-        if (np.linalg.norm(x[:, None] - x[None], axis=2)[far] < 1.5).any():  # atoms clash
-            continue
+    rd, options = placed(molecule.rd, molecule.positions), rdDistGeom.KDG()
+    Chem.AssignStereochemistryFrom3D(rd)
+    options.randomSeed, options.maxIterations = SEED, ITERATIONS
+    embedded = [rd.GetConformer(n).GetPositions() for n in rdDistGeom.EmbedMultipleConfs(rd, TRIES, options)]
+    found = {}
+    for x in [molecule.positions, *embedded]:
         energy, x = relaxed(molecule.rd, x, STEPS)
-        print_ = geometry.fingerprint(molecule.numbers, x)
-        if all(abs(energy - e) > 0.02 or np.abs(print_ - p).max() > 0.1 for e, p, _ in found):
-            found.append((energy, print_, x))
-    found.sort(key=lambda f: f[0])
-    return [x for _, _, x in found[:number]] or [first]
+        found.setdefault(round(energy, 2), x)  # equal energies are those of one shape, or of its mirror image
+    return [found[energy] for energy in sorted(found)[:number]]

@@ -61,9 +61,7 @@ def bofill(hessian, s, y):
         return hessian
     phi = rs * rs / (rr * ss)
     powell = (np.outer(r, s) + np.outer(s, r)) / ss - rs / ss**2 * np.outer(s, s)
-    if abs(rs) < 1e-14:
-        return hessian + powell
-    return hessian + phi * np.outer(r, r) / rs + (1 - phi) * powell
+    return hessian + rs / (rr * ss) * np.outer(r, r) + (1 - phi) * powell
 
 
 def _rfo(values, f, climbed):

@@ -6,15 +6,16 @@ import re
 import shlex
 
 import numpy as np
-from hapgrid_command import plots
+from rdkit import Chem
 
-from . import choice, files, geometry
+from . import choice, files
 from .elements import COLOURS, SYMBOLS
-from .molecule import signed
+from .molecule import placed, signed
 from .pushing import read_log
 from .xyz import frames, frames_of
 
-MOVES = 2.0  # degrees: what turns less is not drawn
+ALL_BONDS = 4 | 8  # of RDKit: bonds between all atoms, each once
+CURVES = (("energy.png", "own_energy", "energy of the molecule / (kJ/mol)"), ("force.png", "sent", "force on the hand / N"))
 METHODS = {"gfn2": "GFN2-xTB", "gfnff": "GFN-FF"}
 SPINS = ("singlet", "doublet", "triplet", "quartet", "quintet")
 
@@ -28,63 +29,26 @@ def write(start, turned, ways):
     run("view", "played.frames", "--xyz", "played.xyz")
     # The probe is no element: it comes as the last atom, and as helium.
     probed = frames_of(run("view", "played.frames", "--xyz", "-", "--hip-label", "He").out, "played.frames")
-    kept.write("played.pdb", pdb(probed, start.molecule.neighbours))
+    kept.write("played.pdb", pdb(start.molecule.rd, probed))
+    for name, column, label in CURVES:
+        run("plot", "columns", "played.log", "--y", column, "--labels", f"time / s,{label}", "-o", name)
     log = read_log(kept.path("played.log"))
-    drawn = draw_curves(kept, log, frames(kept.path("played.xyz")), turned)
     x, y = (log[a][len(log[a]) // 2] - log[a][0] for a in "xy")
     azimuth = f"{np.degrees(np.arctan2(y, x)):.0f}"  # from which the probe comes from the left
     run("view", "played.frames", "--azimuth", azimuth, "--elevation", "10", "--html", "played.html")
     kept.write("index.html", page(start, turned, ways))
-    return ["played.log", "played.frames", "played.xyz", "played.pdb", *drawn, "played.html", "index.html"]
+    return ["played.log", "played.frames", "played.xyz", "played.pdb", *(name for name, *_ in CURVES), "played.html",
+            "index.html"]
 
 
-def pdb(shapes, neighbours):
-    """The text of a PDB file (wwPDB 3.3) of xyz.Frames whose last atom is the probe, with the molecule's own bonds."""
-    lines = []
-    for number, one in enumerate(shapes, 1):
-        lines += [f"MODEL     {number % 10000:>4}", "REMARK   3 " + one.title]
-        for k, (z, x) in enumerate(zip(one.numbers, one.x), 1):
-            element, residue = (SYMBOLS[z].upper(), "MOL A   1") if k < len(one.x) else ("X", "HIP A   2")
-            place = "".join(f"{v:8.3f}" for v in x)
-            lines.append(f"HETATM{k:5} {f'{element:>2}{k}':4.4} {residue}    {place}"
-                         f"  1.00  0.00          {element:>2}")
-        lines.append("ENDMDL")
-    for k, near in enumerate(map(sorted, neighbours), 1):
-        lines += [f"CONECT{k:5}" + "".join(f"{n + 1:5}" for n in near[at:at + 4]) for at in range(0, len(near), 4)]
-    return "\n".join([*lines, "END", ""])
-
-
-def draw_curves(folder, log, shapes, torsions):
-    """Writes torsions.tsv, energies.tsv and their picture over time, and returns the names of the files. shapes: xyz.Frames
-    that play showed; torsions: those that the grid's paths turn."""
-    times = [float(one.words["time"]) for one in shapes]
-    angles = {t.name: np.degrees(np.unwrap([geometry.torsion(one.x, *t.atoms) for one in shapes])) for t in torsions}
-    t, hybrid, own = log["t"], log["energy"], log["own_energy"]
-    force = np.sqrt(log["sent_x"]**2 + log["sent_y"]**2 + log["sent_z"]**2)
-    for name, columns in (("torsions.tsv", {"t_s": times, **{f"{name}_deg": values for name, values in angles.items()}}),
-                          ("energies.tsv", {"t_s": t, "hybrid_kJ_mol": hybrid, "molecule_kJ_mol": own, "force_N": force})):
-        lines = ["# " + "\t".join(columns), *("\t".join(f"{v:.4f}" for v in row) for row in zip(*columns.values()))]
-        folder.write(name, "\n".join(lines) + "\n")
-    moving = [name for name, values in angles.items() if np.ptp(values) > MOVES] or list(angles)[:1]
-    panels = [("torsion / degrees", [(name, times, angles[name]) for name in moving])] if moving else []
-    panels += [("energy / (kJ/mol)", [("with probe and anchors", t, hybrid), ("the molecule alone", t, own)]),
-               ("force on the hand / N", [("", t, force)])]
-    style = plots.style(folder)
-    drawn = style.figure(5.6, 8.4)
-    with style.house_style():
-        every = []
-        for k, (label, curves) in enumerate(panels):
-            axes = drawn.add_subplot(len(panels), 1, k + 1, sharex=every[0] if every else None)
-            every.append(axes)
-            for colour, (said, x, y) in zip(style.COLOURS * len(curves), curves):
-                axes.plot(x, y, color=colour, label=style.plain(said) or None)
-            axes.set_ylabel(label)
-            style.limits(axes, np.concatenate([y for _, _, y in curves]))
-            style.legend(axes)
-        every[-1].set_xlabel("time / s")
-        drawn.align_ylabels(every)
-    style.save(drawn, folder.path("course.png"))
-    return ["course.png", "torsions.tsv", "energies.tsv"]
+def pdb(rd, shapes):
+    """The text of a PDB file of xyz.Frames, each a model, whose last atom is the probe. rd: RDKit's molecule without it."""
+    rd, probe = Chem.RWMol(rd), Chem.Atom(0)
+    probe.SetMonomerInfo(Chem.AtomPDBResidueInfo(" X  ", residueName="HIP", residueNumber=2, isHeteroAtom=True))
+    rd.AddAtom(probe)
+    for one in shapes:
+        rd.AddConformer(placed(rd, one.x).GetConformer(), assignId=True)
+    return Chem.MolToPDBBlock(rd, flavor=ALL_BONDS)
 
 
 def page(start, turned, ways):
@@ -123,8 +87,6 @@ def barriers(kept):
         one = report.get(row["path"], {})
         behind = [other["energy_kJ_mol"] for name, other in report.items()
                   if name.startswith(row["path"] + ":") and other["kind"].startswith("minimum")]
-        if "equal atoms" in one.get("joins", ""):
-            behind = ["the same shape"]
         cells = [row["path"], row["atoms"], row["barrier_kJ_mol"], one.get("nu1_cm-1", "-"), ", ".join(behind) or "-",
                  "in the grid" if row["taken"] == "yes" else row["why"]]
         rows.append("<tr>" + "".join(f"<td>{html.escape(cell)}" for cell in cells))

@@ -7,7 +7,7 @@ import itertools
 from dataclasses import replace
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicSpline, make_interp_spline
 from scipy.optimize import brentq
 
 from . import geometry, optimise
@@ -79,13 +79,7 @@ def resampled(shapes, masses, nodes=11, apart=None):
     along = _along(chain)
     if apart is not None:
         nodes = max(4, round(along[-1] / apart) + 1)
-    out = []
-    for want in np.linspace(0, along[-1], nodes):
-        k = min(int(np.searchsorted(along, want, side="right")) - 1, len(chain) - 2)
-        part = (want - along[k]) / (along[k + 1] - along[k])
-        out.append((1 - part) * chain[k] + part * chain[k + 1])
-    out[0], out[-1] = chain[0], chain[-1]
-    return out
+    return list(make_interp_spline(along, chain, k=1)(np.linspace(0, along[-1], nodes)))
 
 
 def spline(tree, shapes):

@@ -1,16 +1,14 @@
-"""The probe's ways. One that turns a torsion comes from outside, pushes at an atom in the direction in which the path moves it,
-and goes back on the same line. Several such lines are played, and the one that turns the torsion farthest is kept.
-
-Where paths go on behind their barriers, a way pushes a torsion into the minimum behind, leaves it there, goes round the
-molecule without touching it, and pushes it back from another side.
+"""The probe's ways. Each comes from outside, pushes at an atom in the direction in which a path moves it, and goes back on the
+same line. Several such lines are played, and the best is kept: where a path goes on behind its barriers one that leaves the
+molecule in another minimum, otherwise the one that turns the torsion farthest.
 """
 
+import itertools
 import json
 
 import numpy as np
 from hapgrid_command import files
 
-from . import choice
 from .definition import CLEAR, PROBE, RADII, paths_of
 from .rotors import label
 from .xtb import BOHR
@@ -18,11 +16,8 @@ from .xtb import BOHR
 TRIED = 5
 STEP, COARSE_STEP = 0.002, 0.02  # angstrom a tick
 BEYOND = 2.0  # angstrom that the probe follows the atom beyond its way
-LINES = 60  # of those along which the atoms go, at most
-RANDOM = 240
-DEEPEST = 2.0  # angstrom behind an atom
-NEAR = 0.02  # of a t: the molecule is in this minimum
-AROUND = 0.96  # of the box: where the probe goes round
+ALIKE = 0.7  # cosine above which two lines at an atom are one
+STAYS = 0.02  # of a t at the end: the molecule is in another minimum
 
 
 def directions(count=150):
@@ -32,26 +27,6 @@ def directions(count=150):
     turn = np.pi * (1 + 5**0.5) * k
     r = np.sqrt(1 - z * z)
     return np.column_stack([r * np.cos(turn), r * np.sin(turn), z])
-
-
-def lines(x, move, radius, low, high, clear, most=TRIED, alike=0.7):
-    """Lines (start, end, atom) from free places into the molecule, the most promising first. x: atoms, move: where they go,
-    angstrom; low, high: the corners of the box; clear: from touching to where a line begins; most: lines; alike: the cosine
-    above which two lines at an atom are one."""
-    length, reach, found = np.linalg.norm(move, axis=1), radius + PROBE, []
-    for atom in np.flatnonzero(length > 0.4 * length.max()):
-        for u in directions():
-            along = float(move[atom] @ u)
-            begin = _begin(x, reach, atom, u, clear) if along >= 0.5 * length[atom] else np.nan
-            start, end = x[atom] + begin * u, x[atom] + (along + BEYOND - reach[atom]) * u
-            if ((low <= start) & (start <= high)).all():
-                end = start + (end - start) * min(1.0, 0.98 * _to_side(start, end - start, low, high))
-                found.append((along, int(atom), u, start, end))
-    out = []
-    for _, atom, u, start, end in sorted(found, key=lambda f: -f[0]):  # different atoms and directions
-        if not any(atom == a and u @ v > alike for a, v, _ in out):
-            out.append((atom, u, (start, end, atom)))
-    return [line for _, _, line in out[:most]]
 
 
 def _begin(x, reach, atom, u, clear):
@@ -72,14 +47,9 @@ def _to_side(x, u, low, high):
         return float(np.where(u == 0, np.inf, (np.where(u > 0, high, low) - x) / u).min())
 
 
-def straight(start, end, step, least=2):
-    count = max(int(np.ceil(np.linalg.norm(end - start) / step)), least)
-    return [start + (end - start) * k / count for k in range(count + 1)]
-
-
 def there_and_back(start, end, step):
-    there = straight(start, end, step)
-    return there + there[-2::-1]
+    there = np.linspace(start, end, max(int(np.ceil(np.linalg.norm(end - start) / step)), 2) + 1)
+    return np.concatenate([there, there[-2::-1]])
 
 
 def write_way(folder, name, way, title):
@@ -95,130 +65,67 @@ def read_log(path):
 
 
 class Ways:
-    """The files path-NAME.txt of the paths in a grid, the one that turns a torsion farthest first."""
+    """The files path-NAME.txt of the paths in a grid: first those that lead over a barrier, then that which turns most."""
 
     def __init__(self, folder, grid, structures, threads):
         self.folder, self.grid, self.structures, self.threads = folder, grid, structures, threads
         box = json.loads(folder.run("stats", grid, "--get", "box").out)
         self.low = np.array(box["origin"])
         self.high = self.low + box["spacing"] * (np.array(box["counts"]) - 1)
-        middle, half = (self.low + self.high) / 2, AROUND * (self.high - self.low) / 2
-        self.inner = middle - half, middle + half  # the box in which the probe goes round
-        self.clear = CLEAR + box["spacing"]
+        self.clear = CLEAR + box["spacing"], CLEAR  # from touching to where a line begins, or less where there is no room
         self.taken = paths_of(folder.path(grid.removesuffix(".grid") + ".toml"))
         self.radius = np.array([RADII[z] for z in structures.numbers])
 
     def write(self):
         found, x = {f.name: f for f in self.structures.found}, self.structures.x * BOHR
-        tries = [(k, line) for k, name in enumerate(self.taken) for line in self._lines(x, found[name].nodes[-1] * BOHR - x)]
-
-        def turned(n):
-            k, (start, end, _) = tries[n]
-            return float(self._played(there_and_back(start, end, COARSE_STEP), n)[:, k].max())
-        most = self.folder.each("pushing the molecule to see which way turns it", turned, range(len(tries)), self.threads)
+        tries = [(k, line) for k, name in enumerate(self.taken) for y in _aims(found[name])
+                 for line in self._lines(x, y * BOHR - x)]
+        turned = self.folder.each("pushing the molecule to see which way turns it", lambda n: self._turned(n, *tries[n]),
+                                  range(len(tries)), self.threads)
         best = {}
-        for turn, (k, line) in zip(most, tries):
-            if k not in best or turn > best[k][0]:
-                best[k] = turn, self.taken[k], line
+        for (stays, turn), (k, line) in sorted(zip(turned, tries), key=lambda one: one[0], reverse=True):
+            how = "goes over its barrier, and stays there" if stays else f"goes {min(100 * turn, 100):.0f} % of its way"
+            best.setdefault(self.taken[k], (line, f": {self.taken[k]} {how}"))
         if not best:  # nothing turns: past the molecule, against its broad side
-            best = dict(enumerate((0.0, "past", line) for line in self._lines(x, np.tile([0.0, 0.0, 1.0], (len(x), 1)))[:1]))
-        names = []
-        for turn, name, (start, end, atom) in sorted(best.values(), key=lambda b: -b[0]):
-            names.append(f"path-{name}.txt")
-            far = f": {name} goes {min(100 * turn, 100):.0f} % of the way to its barrier" if self.taken else ""
-            write_way(self.folder, names[-1], there_and_back(start, end, STEP), "The probe pushes at "
-                      f"{label(self.structures.numbers, atom)}{far}, and goes back on the same line.")
-        return names
+            best = {"past": (line, "") for line in self._lines(x, np.tile([0.0, 0, 1], (len(x), 1)), 1)}
+        for name, ((start, end, atom), how) in best.items():
+            write_way(self.folder, f"path-{name}.txt", there_and_back(start, end, STEP), "The probe pushes at "
+                      f"{label(self.structures.numbers, atom)}, and goes back on the same line{how}.")
+        return [f"path-{name}.txt" for name in best]
 
-    def _lines(self, x, move):
-        return (lines(x, move, self.radius, self.low, self.high, self.clear)
-                or lines(x, move, self.radius, self.low, self.high, CLEAR))
+    def _lines(self, x, move, most=TRIED):
+        """Lines (start, end, atom) from free places into the molecule, the most promising first. x: atoms, move: where they
+        go, angstrom; most: lines."""
+        length, reach, found = np.linalg.norm(move, axis=1), self.radius + PROBE, []
+        for atom, u in itertools.product(np.flatnonzero(length > 0.4 * length.max()), directions()):
+            along = float(move[atom] @ u)
+            for clear in self.clear if along >= 0.5 * length[atom] else ():
+                start, end = (x[atom] + far * u for far in (_begin(x, reach, atom, u, clear), along + BEYOND - reach[atom]))
+                if ((self.low <= start) & (start <= self.high)).all():
+                    end = start + (end - start) * min(1.0, 0.98 * _to_side(start, end - start, self.low, self.high))
+                    found.append((clear == CLEAR, -along, u, (start, end, int(atom))))
+                    break
+        out = []
+        for _, _, u, line in sorted(found, key=lambda f: f[:2]):  # different atoms and directions
+            if not any(line[2] == other[2] and u @ v > ALIKE for v, other in out):
+                out.append((u, line))
+        return [line for _, line in out[:most]]
 
-    def _played(self, way, number):
-        """The t at each place of a way. number: of this way among those that are played at once."""
+    def _turned(self, number, k, line):
+        """(whether path k ends elsewhere than it began, how far it goes) on a line. number: of this one among those that are
+        played at once."""
         text, log = f".way-{number}.txt", f".way-{number}.log"
         try:
-            write_way(self.folder, text, way, "tried")
+            write_way(self.folder, text, there_and_back(*line[:2], COARSE_STEP), "tried")
             self.folder.run("play", self.grid, "--device", f"path:{text}", "--log", log)
-            columns = read_log(self.folder.path(log))
-            return np.array([columns[f"s{k}"] for k in range(len(self.taken))]).T
+            t = np.abs(read_log(self.folder.path(log))[f"s{k}"])
+            return bool(t[-1] > STAYS), float(t.max())
         finally:
             files.remove(self.folder.path(text))
             files.remove(self.folder.path(log))
 
 
-class Crossings(Ways):
-    """Writes path-NAME.txt for the paths whose nearest minimum is reached, and left again."""
-
-    def write(self):
-        toml = self.grid.removesuffix(".grid") + ".toml"
-        report = json.loads(self.folder.run("molecule-check", toml, "--format", "json", good=(0, 3)).out)
-        minima = [m["t"] for m in report["minima"]]
-        if len(minima) < 2:
-            return super().write()
-        rest, *others = sorted(minima, key=lambda t: np.abs(t).sum())
-        names = self.folder.each("pushing the molecule over its barriers and back",
-                                 lambda k: self._over(toml, k, rest, others), range(len(self.taken)), self.threads)
-        return list(filter(None, names)) or super().write()
-
-    def _over(self, toml, k, rest, minima):
-        """The file of a way along path k into the first of the minima that can be reached, and back; None without."""
-        for there in minima:
-            if there[k] == 0 or np.count_nonzero(there) != 1:
-                continue
-            a, b = (choice.shape(self.folder, toml, t) for t in (rest, there))
-            first = self._crossing(k, a, b, [], there)
-            way = first and self._crossing(k, b, a, first, rest)
-            if way:
-                write_way(self.folder, f"path-{self.taken[k]}.txt", way, f"The probe pushes {self.taken[k]} over its barrier, "
-                          "goes round the molecule, and pushes it back.")
-                return f"path-{self.taken[k]}.txt"
-        return None
-
-    def _crossing(self, k, x, y, before, wanted):
-        """`before` and a line after it that brings the molecule from shape x to y, which has the t wanted; None without. The
-        lines are played one after the other in one go, since reading the grid takes longest."""
-        left = self._candidates(x, y)
-        while left:
-            way, ends = before, []
-            for line in left:
-                way = self._pushed(way, line)
-                ends.append(len(way) - 1)
-            states = self._played(way, k)
-            rest = states[max(len(before) - 1, 0)]
-            n = next((n for n, end in enumerate(ends) if np.abs(states[end] - rest).max() >= NEAR), None)
-            if n is None:
-                return None
-            way = self._pushed(before, left[n])
-            if np.abs(self._played(way, k)[-1] - wanted).max() < NEAR:
-                return way
-            left = left[n + 1:]
-        return None
-
-    def _pushed(self, way, line):
-        return [*way, *(self._round(way[-1], line[0]) if way else []), *there_and_back(*line, COARSE_STEP)]
-
-    def _candidates(self, x, y):
-        """Lines that push shape x towards y: first those along which the atoms go most, then random ones, deeper."""
-        found = [line for clear in (self.clear, CLEAR)
-                 for line in lines(x, y - x, self.radius, self.low, self.high, clear, LINES, 0.95)]
-        out = [(start, end) for start, end, _ in found[:LINES]]
-        draw = np.random.default_rng(1)
-        for _ in range(RANDOM):
-            u = draw.normal(size=3)
-            u /= np.linalg.norm(u)
-            aim = x[draw.integers(len(x))] + draw.uniform(-0.8, 0.8, 3)
-            start = aim - u * _to_side(aim, -u, *self.inner)
-            out.append((start, aim + u * min(draw.uniform(-1, DEEPEST), _to_side(aim, u, *self.inner))))
-        return out
-
-    def _round(self, here, to):
-        """From one free place to another, near the sides of the box. All shapes keep away from these."""
-        middle = (self.low + self.high) / 2
-        u, v = ((p - middle) / np.linalg.norm(p - middle) for p in (here, to))
-        opposite = u @ v < np.cos(3.0)
-        between = np.cross(u, np.eye(3)[np.abs(u).argmin()]) if opposite else u + v
-        between /= np.linalg.norm(between)
-        seen = [(1 - s) * a + s * b for a, b in ((u, between), (between, v)) for s in np.linspace(0, 1, 60)]
-        out = [here, *(middle + c * _to_side(middle, c, *self.inner) for c in seen), to]
-        return [p for one, two in zip(out, out[1:]) for p in straight(one, two, COARSE_STEP, 1)[:-1]]
+def _aims(path):
+    """The shapes towards which a path is pushed: the minima behind its barriers, or else its end, which is a barrier."""
+    e = [np.inf, *path.energies, np.inf]
+    return [x for k, x in enumerate(path.nodes) if e[k] > e[k + 1] <= e[k + 2] and k != path.start] or path.nodes[-1:]

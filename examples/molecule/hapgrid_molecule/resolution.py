@@ -31,19 +31,16 @@ COST_ORDER = 2.4
 
 
 def decide(report, definition):
-    """(spacing of the grid, that which is enough for WANTED or None where it cannot be told), angstrom. report: of verify
-    about the coarse grid, whose definition is given."""
+    """The spacing of the grid, angstrom. report: of verify about the coarse grid, whose definition is given."""
     enough, error = enough_by(report)
     coarse = definition.spacing
-    if enough is None and error <= WANTED:
-        enough = coarse
     # Where contact begins, errors fall in proportion to the spacing, elsewhere sooner.
-    wanted = min(COARSEST, enough if enough is not None else coarse * WANTED / error)
+    wanted = min(COARSEST, coarse * WANTED / max(error, WANTED) if enough is None else enough)
     spacing = FINEST if definition.basins else max(FINEST, math.floor(wanted / STEP + 1e-9) * STEP)
     most = MOST_POINTS_BETWEEN_BASINS if definition.basins else MOST_POINTS
     while spacing < coarse and math.prod(replace(definition, spacing=spacing).counts()) > most:
         spacing += STEP
-    return round(min(spacing, coarse), 4), enough
+    return round(min(spacing, coarse), 4)
 
 
 def enough_by(report):
@@ -67,10 +64,11 @@ def coarser(spacing):
 
 def measure(start, grid):
     """The report of verify, as text."""
-    def walk(count):
-        what = "measuring how far the grid is off between its points"
-        return start.folder.run("verify", grid, "--accuracy", WANTED, "--walks", count, "--recompute", "none", "-j",
-                             start.options.threads, "--format", "json", good=(0, 3, 4),
-                             watch=lambda gone: start.folder.waiting(what, gone, None)).out
-    report = walk(WALKS)
-    return walk(MORE_WALKS) if enough_by(report)[0] is None else report
+    for count in (WALKS, MORE_WALKS):
+        report = start.folder.run(
+            "verify", grid, "--accuracy", WANTED, "--walks", count, "--recompute", "none", "-j", start.options.threads,
+            "--format", "json", good=(0, 3, 4),
+            watch=lambda gone: start.folder.waiting("measuring how far the grid is off between its points", gone, None)).out
+        if enough_by(report)[0] is not None:
+            break
+    return report

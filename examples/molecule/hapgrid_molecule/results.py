@@ -29,13 +29,16 @@ class Point:
 
 @dataclass
 class Ends:
-    """A saddle and the minima that it joins. sign: which way along its mode the near one lies; equal: whether the far one is
-    the conformation with equal atoms exchanged."""
+    """A saddle and the minima that it joins. sign: which way along its mode the near one lies."""
     saddle: Point
     sign: int
     near: Point
     far: Point
-    equal: bool = False
+
+    def points(self):
+        """[(kind, energy, shape)] along the way from the near one to the far one."""
+        return [(kind, one.energy, one.x) for kind, one in (("minimum", self.near), ("saddle", self.saddle),
+                                                            ("minimum", self.far))]
 
 
 @dataclass
@@ -51,6 +54,10 @@ class Way:
     goes_on = property(lambda self: bool(self.kinds))
     barrier = property(lambda self: max(self.energies))
 
+    def points(self):
+        """The same of a way, without the conformation."""
+        return [(kind, self.energies[k], self.nodes[k]) for k, kind in self.kinds.items()]
+
     def minima(self):
         return [k for k, kind in self.kinds.items() if kind == "minimum"]
 
@@ -64,11 +71,10 @@ class Way:
 @dataclass
 class Path(Way):
     """A way for a file. nu1: of its saddle, None where its last node is no saddle of xtb; far: the
-    minimum behind that, None where nobody has looked for it; equal: as Ends has it."""
+    minimum behind that, None where nobody has looked for it."""
     name: str = ""
     nu1: float = None
     far: Point = None
-    equal: bool = False
 
 
 @dataclass
@@ -121,7 +127,7 @@ def _field(name, value, atoms, nodes):
     if name == "kinds" and isinstance(value, list) and all(isinstance(one, list) and len(one) == 2 for one in value):
         if all(type(k) is int and 0 <= k < nodes and kind in ("minimum", "saddle") for k, kind in value):
             return dict(value)
-    elif name == "why" and isinstance(value, str) or name in ("equal", "free") and isinstance(value, bool):
+    elif name == "why" and isinstance(value, str) or name == "free" and isinstance(value, bool):
         return value
     elif type(value) is int and (name == "sign" and value in (1, -1) or name == "start" and 0 <= value < nodes):
         return value

@@ -12,7 +12,6 @@ from .elements import SYMBOLS
 
 # N, CA and C of a residue.
 RESIDUE = "[NX3;!$(N=*)]-[CX4]-[CX3](=O)[N,O]"
-RING = "a ring stays as it is, unless an ensemble has its flip"
 SULPHUR = 16
 FLIPPED = np.radians(10)  # of a ring's torsion, on both sides of a plane
 LARGELY = 0.5  # of the farthest turn: a torsion that goes so far does turn
@@ -28,27 +27,18 @@ def _named(molecule, atoms):
 
 
 def find(molecule):
-    """(torsions that turn, [(bond or ring that does not, why)])."""
-    numbers, near = molecule.numbers, molecule.neighbours
-    stiff = molecule.double - set(molecule.amides)
-    names = peptide_names(molecule)
-    found, left = [], [(_named(molecule, ring), RING) for ring in molecule.rings()]
-    for j in range(len(numbers)):
-        for k in near[j]:
-            if j > k or min(len(near[j]), len(near[k])) < 2 or geometry.side_of(near, j, k) is None:
-                continue
-            if (j, k) in stiff:
-                left.append((_named(molecule, (j, k)), "a double or triple bond does not turn"))
-                continue
-            named, ends = names.get((j, k), (None, {}))
-            one = torsions.make(numbers, near, named, ends.get(j), j, k, ends.get(k))
-            name = _named(molecule, one.atoms)
-            if any(len(near[b]) == 2 and np.sin(geometry.angle(molecule.positions, a, b, c)) < LINEAR
-                   for a, b, c in (one.atoms[:3], one.atoms[1:])):
-                left.append((name, "its atoms lie on a line"))
-                continue
-            found.append(replace(one, name=named or name))
-    return found, left
+    """The torsions that turn: about single bonds and amides in no ring, if their atoms do not lie on a line."""
+    near, names, out = molecule.neighbours, peptide_names(molecule), []
+    for j, k in ((j, k) for j, some in enumerate(near) for k in some if j < k):
+        if min(len(near[j]), len(near[k])) < 2 or (j, k) in molecule.double - set(molecule.amides):
+            continue
+        name, ends = names.get((j, k), (None, {}))
+        one = torsions.make(molecule.numbers, near, ends.get(j), j, k, ends.get(k))
+        if one is None or any(len(near[b]) == 2 and np.sin(geometry.angle(molecule.positions, a, b, c)) < LINEAR
+                              for a, b, c in (one.atoms[:3], one.atoms[1:])):
+            continue
+        out.append(replace(one, name=name or _named(molecule, one.atoms)))
+    return out
 
 
 def flipped(molecule, shapes):
@@ -125,6 +115,14 @@ class Candidate:
     turns: np.ndarray
     height: float
 
+    @property
+    def bond(self):
+        """The number of the torsion that gives it its name, or None where no bond turns."""
+        far = np.abs(self.turns)
+        if far.max() < torsions.LEAST_TURN:
+            return None
+        return self.number if far[self.number] >= LARGELY * far.max() else int(far.argmax())
+
 
 def candidate(bonds, torsion, way, free):
     """The Candidate of a Way on behind barriers, or from the conformation to one. bonds: all Torsions that turn; free: names of
@@ -145,21 +143,17 @@ def names(bonds, candidates, allowed, signed):
     it has the name of that which turns farthest. Where several paths turn one bond the same way, that is kept for which this
     bond was driven, or else the lowest.
     """
-    farthest = {}  # the bond that turns: the driven one where it turns largely
-    for job, one in candidates.items():
-        far = np.abs(one.turns)
-        farthest[job] = one.number if far[one.number] >= LARGELY * far.max() else int(far.argmax())
-        if far.max() < torsions.LEAST_TURN:
-            farthest[job] = None
-    out, left = {}, [(job, "no bond turns on the way to its barrier") for job, n in farthest.items() if n is None]
+    out, left = {}, []
 
     def order(job):
         """Paths whose driven bond turns come first, that whose bond turns farthest before others. Then comes the lowest."""
         one, turns = candidates[job], np.abs(candidates[job].turns)
-        is_own = farthest[job] == one.number
-        return (0, -round(float(turns[one.number] / turns.max()), 1)) if is_own else (1, one.height)
-    for job in sorted((job for job, n in farthest.items() if n is not None), key=order):
-        one, n = candidates[job], farthest[job]
+        return (0, -round(float(turns[one.number] / turns.max()), 1)) if one.bond == one.number else (1, one.height)
+    for job in sorted(candidates, key=order):
+        one, n = candidates[job], candidates[job].bond
+        if n is None:
+            left.append((job, "no bond turns on the way to its barrier"))
+            continue
         name = bonds[n].file_name(np.sign(one.turns[n])) if signed else bonds[n].name
         turns = "turns {} instead, by {:.0f} degrees against {:.0f}".format(
             name, *np.abs(np.degrees([one.turns[n], one.turns[one.number]])))

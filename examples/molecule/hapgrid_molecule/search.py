@@ -14,7 +14,6 @@ from .xtb import BOHR, HARTREE, XtbError
 
 SAME_ENERGY = 0.02  # kJ/mol
 CONFORMERS = 4  # of the lowest by the force field, which xtb relaxes
-SEED = 1  # of random torsions, where there are too many combinations for all
 
 _search = None  # of this process and of those that it starts
 
@@ -25,13 +24,15 @@ def _ask(question):
 
 
 class Search:
-    """torsions: all that could turn; driven: those that are turned; jobs: {name of a path: (one of these, direction)}. shapes:
-    [(number of a frame, shape in angstrom)] of an ensemble, between whose minima paths are looked for."""
+    """torsions: all that could turn; driven: those that are turned; jobs: {name of a path: (one of these, direction, None for
+    both)}. shapes: [(number of a frame, shape in angstrom)] of an ensemble, between whose minima paths are looked for."""
 
     def __init__(self, start, shapes):
         self.start, self.molecule, self.shapes = start, start.molecule, shapes
-        self.torsions, self.driven = rotors.find(start.molecule)[0], start.turning
-        self.jobs = {torsion.file_name(sign): (torsion, sign) for torsion in self.driven for sign in torsion.signs}
+        self.torsions, self.driven = rotors.find(start.molecule), start.turning
+        self.jobs = {t.file_name(sign): (t, sign) for t in self.driven for sign in t.signs}
+        if start.options.basins:
+            self.jobs = {t.name: (t, None) for t in self.driven if not t.rotor}
 
     def say(self, text):
         self.start.folder.say("  " + text)
@@ -62,16 +63,14 @@ class Search:
         """Sets rest, its x and energy, and the surface. keep: relax the molecule's shape to the nearest minimum instead of
         looking for the lowest one."""
         shapes = [] if self.start.options.keep_conformation else [x for _, x in self.shapes]
-        turning = [t.atoms for t in self.driven if not t.rotor and not keep]
-        one = self._take([Point], ["conformation", self.molecule.positions.tolist(), keep, turning, plain(shapes)],
+        one = self._take([Point], ["conformation", self.molecule.positions.tolist(), keep, plain(shapes)],
                          lambda: self._conformation(keep, shapes))
         self.x, self.surface = one.x, self.start.surface(one.x)
         self.energy = self.surface.energy(self.x)
         self.rest = replace(one, energy=self.energy)
 
     def _conformation(self, keep, shapes):
-        starts = shapes or ([self.molecule.positions] if keep else
-                            conformers(self.molecule, self.driven, CONFORMERS, SEED))
+        starts = shapes or ([self.molecule.positions] if keep else conformers(self.molecule, CONFORMERS))
         best, reason = None, ""
         tie = SAME_ENERGY / HARTREE if shapes else 0.0  # of equal minima of an ensemble the first is taken
         for n, (_, (x, energy, why)) in enumerate(self.each("relaxing conformers", Search.relax, starts), 1):
@@ -141,15 +140,16 @@ class Search:
     def saddle(self, job):
         torsion, sign = self.jobs[job]
         highest = self.start.options.highest / HARTREE
-        return self.kept(Ends, ["saddle", torsion.atoms, sign], lambda: self._ends(
-            self.climbed(*torsions.scan(self.surface, self.rest, torsion, sign, highest=highest))))
+        return self.kept(Ends, ["saddle", torsion.atoms, sign], lambda: self.ends(
+            self.climbed(*torsions.scan(self.surface, self.rest, torsion, sign, highest=highest)), self.x))
 
     def path(self, job):
         torsion, sign = self.jobs[job]
         ends = self.saddle(job)
         return self.kept(Way, ["path", torsion.atoms, sign], lambda: self._path(ends))
 
-    def beyond(self, torsion):
+    def beyond(self, job):
+        torsion, _ = self.jobs[job]
         return self.kept(Way, ["beyond", torsion.atoms], lambda: beyond.whole(self, torsion))
 
     def minimum(self, shape):
@@ -176,15 +176,10 @@ class Search:
         mode = 0.15 * mode / np.linalg.norm(mode)
         one, two = (optimise.minimum(self.surface, saddle.x + sign * mode.reshape(-1, 3), saddle.hessian, longest=0.15)
                     for sign in (1, -1))
-        return min((Ends(saddle, 1, one, two), Ends(saddle, -1, two, one)), key=lambda ends: self.apart(ends.near.x, a) + (
+        out = min((Ends(saddle, 1, one, two), Ends(saddle, -1, two, one)), key=lambda ends: self.apart(ends.near.x, a) + (
             0 if b is None else self.apart(ends.far.x, b)))
-
-    def _ends(self, saddle):
-        ends = self.ends(saddle, self.x)
-        ends.far.x = geometry.aligned(ends.far.x, self.x, self.surface.masses)
-        a, b = (geometry.fingerprint(self.molecule.numbers, x) for x in (ends.far.x, self.x))
-        equal = abs(self.above(ends.far.energy)) < SAME_ENERGY and np.abs(a - b).max() < SAME_SHAPE
-        return replace(ends, equal=bool(equal))
+        out.far.x = geometry.aligned(out.far.x, self.x, masses)
+        return out
 
     def _path(self, ends):
         turns = self.turns_back(ends.near)

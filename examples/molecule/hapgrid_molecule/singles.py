@@ -66,14 +66,13 @@ class SinglePoints:
     def put_into(self, result, threads, folder):
         """Puts its own energies into a results.Result in place of xtb's. A path that does not lead from the conformation
         over a barrier by these energies is left out; one that has its highest node before its end, ends there."""
-        shapes = [[*one.nodes, *(() if one.goes_on else (one.far.x,))] for one in result.found]
-        energies = iter(folder.each("energies by " + self.words[0], self.energy, [result.x, *sum(shapes, [])], threads))
-        rest = next(energies)
-        for one, some in zip(result.found, shapes):
-            own = [next(energies) for _ in some]
+        shapes = [x for one in result.found for x in (*one.nodes, *([] if one.goes_on else [one.far.x]))]
+        folder.each("energies by " + self.words[0], self.energy, [result.x, *shapes], threads)  # from here on they are kept
+        rest = self.energy(result.x)
+        for one in result.found:
+            own = [rest if k == one.start else self.energy(x) for k, x in enumerate(one.nodes)]
             if not one.goes_on:
-                one.far = replace(one.far, energy=own.pop())
-            own[one.start] = rest  # the same shape, turned otherwise
+                one.far = replace(one.far, energy=self.energy(one.far.x))
             # Nodes that are a little lower than the conformation are left out: it is a minimum, but for the shapes of xtb.
             rises = [(energy - rest) * HARTREE for energy in own]
             left = [k for k, rise in enumerate(rises) if k == one.start or not -DENT <= rise < -BELOW]

@@ -20,9 +20,9 @@ from .xtb import BOHR, Surface, XtbError, load
 GFN2_ATOMS = 24  # up to which GFN2-xTB is taken
 ENSEMBLE = 8  # frames of an ensemble between which paths are looked for
 # Gradients of xtb in units of a Hessian, which are measured: of butane, pentane, propan-2-ol and ethanol 9 to 16 for each way
-# of a bond, and 21 where it goes on behind its barriers. Of a flexible molecule some ways take ten times as many, to hard
-# saddles or lower minima: on the mean of methyl argininate, with 9 bonds beside methyl groups, twice as many.
-HESSIANS, HESSIANS_BEHIND, HESSIANS_AT_FIRST = 15, 12, 15
+# of a bond, and 21 where it goes on behind its barriers; as many for the conformation. Of a flexible molecule some ways take
+# ten times as many, to hard saddles or lower minima: on the mean of methyl argininate, with 9 bonds beside methyl groups, twice.
+HESSIANS, HESSIANS_BEHIND = 15, 12
 FLEXIBLE = 8  # bonds beside methyl groups with which a way takes twice as many
 # What an optimiser's step takes besides its gradient, in shares of a step for each gradient: most gradients are a Hessian's.
 ALGEBRA = 0.09
@@ -31,8 +31,7 @@ ALGEBRA = 0.09
 @dataclass
 class Start:
     """The molecule that is felt, and what the steps have in common. options: of the command line; source: of the molecule, in
-    words; search: whether conformers are searched; method: of xtb; turning: bonds (torsions.Torsion); still: [(bond or ring
-    that keeps its place, why)]."""
+    words; search: whether conformers are searched; method: of xtb; turning: bonds (torsions.Torsion)."""
     options: object
     folder: Work
     molecule: molecule.Molecule
@@ -40,7 +39,6 @@ class Start:
     search: bool
     method: str
     turning: list
-    still: list
 
     @property
     def words(self):
@@ -71,9 +69,9 @@ def run(options):
     start = read(options)
     shapes = find_structures(start)
     if options.until != "structures":
-        plan = grids.make_grid(start, shapes)
+        definition = grids.make_grid(start, shapes)
         if options.until is None:
-            return show(start, shapes, plan)
+            return show(start, shapes, definition.paths)
     start.folder.say(f"stopped after the {options.until}: the same command without --until goes on")
     return ""
 
@@ -93,8 +91,7 @@ def read(o):
     one, method = reading.started(kept.path("start.sdf")), o.method
     if method == "auto":
         method = "gfn2" if len(one.numbers) <= GFN2_ATOMS else "gfnff"
-    turning, still = rotors.find(one)
-    rings = sum(why == rotors.RING for _, why in still)
+    turning, rings = rotors.find(one), len(one.rings())
     if o.torsions is not None:  # with basins paths go both ways
         wanted = set(o.torsions.split(","))
         unknown = sorted(wanted - {name for t in turning for name in ([t.name] if o.basins else [t.name, *t.file_names()])})
@@ -102,12 +99,11 @@ def read(o):
             raise Failed(f"--torsions: no bond {unknown[0]} turns, only " + ", ".join(t.name for t in turning))
         turning = [t if t.name in wanted else replace(t, signs=tuple(s for s in t.signs if t.file_name(s) in wanted))
                    for t in turning]
-        still = still + [(t.name, "not among --torsions") for t in turning if not t.signs]
         turning = [t for t in turning if t.signs]
     kept.say(f"  {one.formula}, {len(one.numbers)} atoms, charge {signed(one.charge)}, {len(turning)} bonds turn"
              + (f"; {rings} rings stay as they are" if rings else ""))
     source = os.path.basename(o.file) if o.file else f"SMILES {o.smiles}"
-    return Start(o, kept, one, source, o.search or one.built, method, turning, still)
+    return Start(o, kept, one, source, o.search or one.built, method, turning)
 
 
 def find_structures(start):
@@ -124,7 +120,6 @@ def find_structures(start):
                      f"GFN-FF, as for all above {GFN2_ATOMS} atoms (--method gfn2 is better, and slower)"))
         estimate(start)
         one = structures.explore(start, shapes)
-        files.lie_as_before(kept, one)
         if start.points:
             start.points.put_into(one, o.threads, kept)
         return files.write_set(kept, one, f"hapgrid molecule: {start.source}, {start.method}, "
@@ -150,25 +145,24 @@ def estimate(start):
         step = takes(lambda: optimise.projected(np.eye(x.size), x)) + takes(lambda: start.tree.moved(x, 0.01 * np.cos(x)))
     except XtbError:
         return
-    count = HESSIANS_AT_FIRST + ways * (HESSIANS + (HESSIANS_BEHIND if o.basins else 0)) * (1 + soft / FLEXIBLE)
+    count = HESSIANS + ways * (HESSIANS + (HESSIANS_BEHIND if o.basins else 0)) * (1 + soft / FLEXIBLE)
     cores = min(o.threads, max(ways, 1))
     seconds = 2 * x.size * count * (gradient + ALGEBRA * step) / cores
     start.folder.say(f"  {about(seconds, cores)} for conformation and barriers, more where a lower minimum is found")
 
 
-def show(start, shapes, plan):
+def show(start, shapes, paths):
     """The line that shows the grid."""
     o, kept = start.options, start.folder
     grid = f"{kept.name()}.grid"
-    ways = pushing.Crossings if o.basins else pushing.Ways
     kept.step("pushing", "looking for the probe's ways that turn the molecule", [grid], [],
-              lambda: ways(kept, grid, shapes, o.threads).write())
+              lambda: pushing.Ways(kept, grid, shapes, o.threads).write())
     made = [n for n in kept.made("pushing") if n.endswith(".txt")]
     if not made:
         raise Failed(f"{kept.path(grid)}: no way of the probe is found that pushes the molecule; hapgrid feel shows the grid")
     facts = [start.source, start.molecule.charge, start.molecule.unpaired, start.method]
     kept.step("page", "writing the page", [grid, *made, "rotors.tsv", "report.tsv", "verify.txt"], facts,
-              lambda: page.write(start, start.turned_by(plan.paths), made))
+              lambda: page.write(start, start.turned_by(paths), made))
     out = o.output.rstrip("/") or "/"
     out = f"./{out}" if out.startswith("-") else out
     kept.say(f"done: {out}/index.html sums up")

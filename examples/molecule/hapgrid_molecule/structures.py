@@ -6,8 +6,8 @@ not depend on the number of processes.
 
 from . import rotors, torsions
 from .results import Dropped, Path, Way
-from .search import SAME_ENERGY, Search
-from .xtb import BOHR, HARTREE
+from .search import Search
+from .xtb import BOHR
 
 RESTARTS = 4
 LOWER = 0.5  # kJ/mol: a minimum that is lower by this is another one
@@ -16,75 +16,57 @@ LOWER = 0.5  # kJ/mol: a minimum that is lower by this is another one
 def explore(start, shapes):
     """The Result of a molecule. shapes: of an ensemble, as Search has them."""
     o = start.options
-    look, finish = (_beyond, _basins) if o.basins else (_saddles, _paths)
+    what, method, finish = ("following torsions from minimum to minimum", Search.beyond, _basins) if o.basins else (
+        "driving torsions to their barriers", Search.saddle, _paths)
     keep = not start.search
     for left in reversed(range(1 if o.keep_conformation else RESTARTS + 1)):
-        search = Search(start, shapes)
+        search, found = Search(start, shapes), {}
         search.find_conformation(keep)
         search.say("conformation: a minimum, " + start.method)
         minima = _minima(search) if shapes else []
         if minima:
             return _ensemble(search, minima)
-        found, lower = look(search, left > 0)
-        if left == 0 or lower is None:
+        for job, one in search.each(what, method, search.jobs):
+            found[job] = one
+            if isinstance(one, Dropped):
+                search.say(f"{job}: {one.why}")
+                continue
+            search.say(f"{job}: {_points(search, one)}")
+            sides = [(energy, x) for kind, energy, x in one.points() if kind == "minimum" and search.intact(x)]
+            energy, shape = min(sides, key=lambda side: round(side[0], 6), default=(search.energy, search.x))
+            if search.above(energy) < -LOWER:
+                search.say(f"{job} leads to a minimum that is {-search.above(energy):.1f} kJ/mol lower"
+                           + ": from there once more" * (left > 0))
+                if left:
+                    break
+        else:
             return finish(search, found)
-        name, shape, below = lower
-        search.say(f"{name} leads to a minimum that is {below:.1f} kJ/mol lower: from there once more")
         start.molecule.positions = shape * BOHR
         keep = True
 
 
-def _points(search, way):
-    return ", ".join(f"{kind} {search.above(way.energies[k]):.1f}" for k, kind in way.kinds.items()) + " kJ/mol"
+def _points(search, one):
+    return ", ".join(f"{kind} {round(search.above(energy), 1) + 0:.1f}" for kind, energy, _ in one.points()) + " kJ/mol"
 
 
-def _path(name, way, **more):
-    return Path(**{**vars(way), "name": name, **more})
-
-
-def _named(search, found, allowed, signed):
-    """rotors.names() of {what was driven: (its torsion, its Way or the Dropped)}, with what is dropped."""
-    dropped = [(job, way.why) for job, (_, way) in found.items() if isinstance(way, Dropped)]
-    free = {torsion.name for torsion, way in found.values() if isinstance(way, Dropped) and way.free}
+def _named(search, found, signed):
+    """rotors.names() of what was found, with what is dropped."""
+    dropped = {job: one for job, one in found.items() if isinstance(one, Dropped)}
+    free = {search.jobs[job][0].name for job, one in dropped.items() if one.free}
+    ways = {job: one if isinstance(one, Way) else Way([search.x, one.saddle.x], [one.saddle.energy])
+            for job, one in found.items() if job not in dropped}
     named, other = rotors.names(search.torsions, {
-        job: rotors.candidate(search.torsions, torsion, way, free)
-        for job, (torsion, way) in found.items() if not isinstance(way, Dropped)}, allowed, signed)
-    return named, dropped + other
-
-
-def _say_lower(search, name, energy):
-    if -search.above(energy) > LOWER:
-        search.say(f"{name} leads to a minimum that is {-search.above(energy):.1f} kJ/mol lower")
-
-
-# Paths to barriers
-
-def _saddles(search, may_restart):
-    """({job: its Ends}, (name, shape, kJ/mol below) of the first lower minimum or None)."""
-    tops = {}
-    for job, ends in search.each("driving torsions to their barriers", Search.saddle, search.jobs):
-        tops[job] = ends
-        if isinstance(ends, Dropped):
-            search.say(f"{job}: {ends.why}")
-            continue
-        search.say(f"{job}: barrier {search.above(ends.saddle.energy):.1f} kJ/mol, "
-                   f"behind it {search.above(ends.far.energy):.1f}")
-        for side in (ends.near, ends.far):
-            if may_restart and search.above(side.energy) < -LOWER and search.intact(side.x):
-                return tops, (job, side.x, -search.above(side.energy))
-    return tops, None
+        job: rotors.candidate(search.torsions, search.jobs[job][0], way, free) for job, way in ways.items()},
+        set(search.jobs), signed)
+    return named, [(job, one.why) for job, one in dropped.items()] + other
 
 
 def _paths(search, tops):
-    """The Result of paths to the saddles, each saddle once."""
+    """The Result of paths to the saddles of {job: its Ends}, each saddle once."""
     found, wanted = [], {}
-    named, dropped = _named(search, {job: (search.jobs[job][0], ends if isinstance(ends, Dropped) else
-                                           Way([search.x, ends.saddle.x], [ends.saddle.energy])) for job, ends in tops.items()},
-                            {name for torsion in search.driven for name in torsion.file_names()}, True)
+    named, dropped = _named(search, tops, True)
     for job, name in named.items():
-        top = tops[job].saddle
-        same = next((known for known, other in ((known, tops[other].saddle) for other, known in wanted.items())
-                     if abs(top.energy - other.energy) * HARTREE <= SAME_ENERGY and search.same(top.x, other.x)), None)
+        same = next((known for other, known in wanted.items() if search.same(tops[job].saddle.x, tops[other].saddle.x)), None)
         if same is not None:
             dropped.append((name, f"the saddle of {same}"))
         else:
@@ -94,38 +76,16 @@ def _paths(search, tops):
         if isinstance(way, Dropped):
             dropped.append((name, way.why))
             search.say(f"{name}: no path: {way.why}")
-            continue
-        found.append(_path(name, way, nu1=ends.saddle.nu1, far=ends.far, equal=ends.equal))
-        _say_lower(search, name, ends.far.energy)
+        else:
+            found.append(Path(**vars(way), name=name, nu1=ends.saddle.nu1, far=ends.far))
     return search.result(found, dropped)
 
 
-# Paths that go on behind their saddles
-
-def _beyond(search, may_restart):
-    """({torsion: its way on behind its saddles}, the first lower minimum as of _saddles())."""
-    ways = {}
-    turning = [torsion for torsion in search.driven if not torsion.rotor]
-    for torsion, way in search.each("following torsions from minimum to minimum", Search.beyond, turning):
-        ways[torsion] = way
-        search.say(f"{torsion.name}: " + (way.why if isinstance(way, Dropped) else _points(search, way)))
-        if isinstance(way, Dropped):
-            continue
-        k = max(way.minima(), key=lambda k: (-way.energies[k], k))
-        if may_restart and search.above(way.energies[k]) < -LOWER:
-            return ways, (torsion.name, way.nodes[k], -search.above(way.energies[k]))
-    return ways, None
-
-
 def _basins(search, ways):
-    """The Result of these. Behind the saddle of a methyl group is the same shape once more."""
-    by_name = {torsion.name: (torsion, way) for torsion, way in ways.items()}
-    named, dropped = _named(search, by_name, {t.name for t in search.driven if not t.rotor}, False)
+    """The Result of ways on behind their saddles. Behind the saddle of a methyl group is the same shape once more."""
+    named, dropped = _named(search, ways, False)
     same = [(t.name, "the same shape lies behind its barrier") for t in search.driven if t.rotor]
-    found = [_path(name, by_name[job][1]) for job, name in named.items()]
-    for one in found:
-        _say_lower(search, one.name, min(one.energies))
-    return search.result(found, same + dropped)
+    return search.result([Path(**vars(ways[job]), name=name) for job, name in named.items()], same + dropped)
 
 
 # Paths between the minima of an ensemble
@@ -160,7 +120,7 @@ def _ensemble(search, minima):
         flips = [f"the ring {word}" for word in rotors.flipped(search.molecule, way.nodes)]
         if len(turning) == 1 and not flips and turning[0] not in [f.name for f in found]:
             name = turning[0]
-        found.append(_path(name, way, why=f"the minimum of frame {frame}"))
+        found.append(Path(**vars(way), name=name))
         say(f"frame {frame}: {name}, on which {', '.join(flips + turning) or 'no bond'} turns: {_points(search, way)}")
     for name, why in dropped:
         say(f"{name}: no path: {why}")

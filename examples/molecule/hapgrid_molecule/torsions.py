@@ -34,16 +34,18 @@ class Torsion:
         return geometry.rotated_about(x, *self.atoms[1:3], list(self.moved), turn)
 
 
-def make(numbers, neighbours, name, i, j, k, l):
-    """A torsion about the bond j-k, which is in no ring; k's side is the one that turns. i, l: where it ends, or None: at the
-    heaviest neighbour, among equal ones the first. No name: its bond's."""
+def make(numbers, neighbours, i, j, k, l):
+    """A torsion without a name about the bond j-k, whose k's side turns; None in a ring. i, l: where it ends, or None: at the
+    heaviest neighbour, among equal ones the first."""
+    moved = geometry.side_of(neighbours, j, k)
+    if moved is None:
+        return None
     sides = [n for n in neighbours[j] if n != k], [n for n in neighbours[k] if n != j]
     i, l = (min(side, key=lambda n: (-numbers[n], n)) if end is None else end for side, end in zip(sides, (i, l)))
     # CH3, NH3+, CF3 and the like.
     rotor = any(len(side) == 3 and len({numbers[n] for n in side}) == 1 and all(len(neighbours[n]) == 1 for n in side)
                 for side in sides)
-    return Torsion(name or f"{j + 1}-{k + 1}", (i, j, k, l), tuple(geometry.side_of(neighbours, j, k)),
-                   (1,) if rotor else (1, -1), rotor)
+    return Torsion("", (i, j, k, l), tuple(moved), (1,) if rotor else (1, -1), rotor)
 
 
 def scan(surface, minimum, torsion, sign, *, step=np.radians(10), highest=150 / HARTREE):

@@ -125,14 +125,10 @@ def above(given, conformation, where):
         except ValueError:
             raise BadInput(f"{where}: {key}={given[key]} is no number") from None
     rise, own, base = number(given, "dE", where), number(given, "E", where), number(conformation, "E", "conformation")
-    if own is None or base is None:
-        if rise is None:
-            raise BadInput(f"{where}: no energy: its title needs dE= (kJ/mol above the conformation), or E= (hartree) as "
-                           "the conformation's title has it")
-        return rise
-    difference = (own - base) * HARTREE
-    if rise is None:
-        return difference
-    if abs(rise - difference) > DIFFER:
+    difference = None if None in (own, base) else (own - base) * HARTREE
+    if rise is None and difference is None:
+        raise BadInput(f"{where}: no energy: its title needs dE= (kJ/mol above the conformation), or E= (hartree) as "
+                       "the conformation's title has it")
+    if None not in (rise, difference) and abs(rise - difference) > DIFFER:
         raise BadInput(f"{where}: dE= gives {rise:.6g} kJ/mol above the conformation, E= gives {difference:.6g}: remove one")
-    return rise
+    return difference if rise is None else rise

@@ -42,7 +42,7 @@ def check(path, start, row):
         assert abs((float(words["E"]) - float(start[0]["E"])) * 2625.4996394799 - energy) < 1e-4, (path, words)
         assert energy > before - 0.05 and lies_as(frame, start), (path, words)
         before = energy
-    assert words["nimag"] == "1" and words["nu1"] == row["nu1_cm-1"] and "torsion" in words, (path, words)
+    assert words["nimag"] == "1" and words["nu1"] == row["nu1_cm-1"], (path, words)
     assert abs(float(row["energy_kJ_mol"]) - before) < 0.0051, (path, row)
 
 

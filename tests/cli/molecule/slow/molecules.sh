@@ -17,7 +17,7 @@ feel() {
   verify "$1/$1.grid" --recompute 30 >report 2>verdict || fail "$1: $(cat verdict)"
 }
 feel cyanide C#N 0
-grep -q 'spacing 0\.[0-9]* Å, about' log || fail "$(cat log)"
+grep -qE 'spacing 0\.[0-9]+ Å, [0-9]+ points, about' log || fail "$(cat log)"
 feel peroxide OO 1
 feel benzene c1ccccc1 0
 METHOD=(--gfn 2 --chrg -1)
