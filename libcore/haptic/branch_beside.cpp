@@ -30,13 +30,14 @@ bool is_near_cell(const Vec3& part) {
 void BranchTraversal::settle(StepResult& result) noexcept {
   followed_ = nullptr;
   if (!beside_) return;
-  if (result.started)
+  if (result.started) {
     beside_->start(position());
-  else if (result.chosen != kNoLevel)
+    trusted_from_ = beside_->tick();
+  } else if (result.chosen != kNoLevel) {
     beside_->start(position(), result.chosen);
-  else
+  } else {
     beside_->follow(position());
-  if (result.started) trusted_from_ = beside_->tick();
+  }
   const BesideAnswer* const answer = beside_->answer();
   const std::uint64_t age = answer ? beside_->tick() - answer->tick : 0;
   // The grid decides where the model does not. If the grid has snapped, late answers still tell of
