@@ -22,12 +22,13 @@ constexpr double kReturn = 0.03;       // in all other cases
 // A hand rests that has been for kRestTime (s) within kRestRadius (m) of the mean of its places
 // over kRestMean (s), which is about a period of its tremor.
 constexpr double kRestTime = 0.25;
-constexpr double kRestRadius = 2e-3;
+constexpr double kRestRadius = 3e-3;
 constexpr double kRestMean = 0.1;
-// Joules: with less, the tank of a resting hand is filled up to what the model holds.
+// The tank of a resting hand is filled up to half of what the model holds, or all of it up to so
+// many joules: each tremble takes a part of it out and brings it back.
 constexpr double kLow = 5e-5;
-// Joules above that, up to which it is filled when it had too little: the model holds less than
-// nothing where its interpolated energy dips below the lowest one of the records.
+// Joules above all of it, up to which it is filled when it had too little: the model holds less
+// than nothing where its interpolated energy dips below the lowest one of the records.
 constexpr double kAbove = 1e-4;
 // Newtons: less is not withheld at all, so that withholding ends.
 constexpr double kNothing = 1e-6;
@@ -213,9 +214,10 @@ bool EnergyTank::rests() const noexcept { return rested_ >= kRestTime; }
 void EnergyTank::refill(const TankTerms& terms, double held, double dt) noexcept {
   if (!rests() || terms.damping == 0) return;
   const bool is_weak = energy_ < 0 || length_of(withheld_) > kNothing;
-  if (!is_weak && energy_ > kLow) return;
   // What is not a number adds nothing.
-  const double lacks = std::max(0.0, held) + (is_weak ? kAbove : 0) - energy_;
+  const double all = std::max(0.0, held);
+  const double wanted = is_weak ? all + kAbove : std::max(all / 2, std::min(all, kLow));
+  const double lacks = wanted - energy_;
   if (lacks > 0) energy_ += std::min(lacks, kRefill * dt);
   if (is_weak && lacks < kAbove / 2)
     for (double& w : withheld_) w *= kFilledReturn / (kFilledReturn + dt);

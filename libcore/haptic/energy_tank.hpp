@@ -7,7 +7,7 @@
 // can always be reached within the slew, and it is paid for. For any sequence of forces, the energy
 // returned is at most what the tank was granted, plus kTankSlack, plus the reserve, plus what a
 // damper of TankTerms::damping takes from the hand on its way, plus kRefill W while a hand rests
-// whose tank is nearly empty or whose force is weakened.
+// whose tank runs low or whose force is weakened.
 //
 // Why the damper. A force that comes late, if only by the half of a tick for which it is held,
 // gives back more than it took, on each way to and fro. The tank charges the hand for that, and for
@@ -25,13 +25,14 @@
 // Why the refill. Where a hand comes to a contact, the interpolated energy dips below the lowest
 // one of the records, or jumps where corners change. And the damping may take less than was
 // charged. Then the tank has less than the model holds, and a hand that trembles there would be
-// weakened for good: it stores less with a weakened force, and gets less back. So when the tank of
-// a resting hand is nearly empty, it is filled until it has what the model holds. If the force is
-// weakened all the same, the weakening stays nearly constant until the tank has more than that: a
-// force that came back within a tremble would give out on each way out what was filled in. Then the
-// force comes back at once. The hand counts as resting after a quarter of a second, so that all
-// this is over within the first second of a contact. A hand that goes from place to place gets none
-// of it, and a hand at rest no more than kRefill W, which is little against what fingers damp.
+// weakened for good: it stores less with a weakened force, and gets less back. So the tank of a
+// resting hand is filled until it has half of what the model holds, before it is empty. If the
+// force is weakened all the same, the weakening stays nearly constant until the tank has more than
+// all of it: a force that came back within a tremble would give out on each way out what was filled
+// in. Then the force comes back at once. The hand counts as resting after a quarter of a second, so
+// that all this is over within the first second of a contact. A hand that goes from place to place
+// gets none of it, and a hand at rest no more than kRefill W, which is little against what fingers
+// damp.
 //
 // The bound holds under these assumptions:
 // - The damping of hand and device is at least TankTerms::damping, or takes as much as
@@ -64,8 +65,7 @@ inline constexpr double kTankSlack = 1e-5;
 /// W.
 inline constexpr double kMostDamped = 3e-3;
 inline constexpr double kMostDampedMoving = 1.5e-3;
-/// W with which the tank of a resting hand is filled while it is nearly empty or the force is
-/// weakened.
+/// W with which the tank of a resting hand is filled while it runs low or the force is weakened.
 inline constexpr double kRefill = 3e-3;
 /// The largest TankTerms::delay.
 inline constexpr std::uint32_t kMaxTankDelay = 30;
@@ -95,7 +95,7 @@ class EnergyTank {
   /// Adds joules that the hand may get back, as long as there are less than `most`. A tank begins
   /// with 0.
   void grant(double joules, double most) noexcept;
-  /// Whether the hand has rested for a quarter of a second, trembling by 2 mm at most.
+  /// Whether the hand has rested for a quarter of a second, trembling by 3 mm at most.
   bool rests() const noexcept;
   /// Fills the tank for `dt` seconds, if the hand rests and there is damping.
   /// @param held joules that the model holds above its lowest energy

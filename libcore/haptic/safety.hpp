@@ -9,7 +9,7 @@
 //   so the loop keeps the slew limit in wall time (loop.hpp);
 //   the energy that the hand got back <= what the hand has put in + what the model held where the
 //   ramp rose + what limits.damping takes from the motion, at most kMostDamped + kRefill while a
-//   hand rests whose tank is nearly empty or whose force is weakened + limits.reserve + 0.01 mJ.
+//   hand rests whose tank runs low or whose force is weakened + limits.reserve + 0.01 mJ.
 //
 // The third promise assumes that the hand's acceleration, the damping of hand and device, the
 // encoder and the delay are those of the limits, and that no tick is missed; energy_tank.hpp says
