@@ -58,7 +58,8 @@ def leave_children(number):
         os._exit(0)
     deadline = time.monotonic() + 10
     while open(sys.argv[1]).read().count("pid") < 3 and time.monotonic() < deadline:
-        os.write(1, state(number))  # play waits for no answer longer than it must
+        if number != 0:
+            os.write(1, state(number))  # play waits for no answer longer than it must
         number = forces.unpack(os.read(0, forces.size))[3]
     os._exit(3)
 
