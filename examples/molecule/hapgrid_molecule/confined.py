@@ -11,6 +11,7 @@ import multiprocessing
 import os
 import resource
 import signal
+import threading
 
 import seccomp
 from hapgrid_command.programs import end_with_parent
@@ -31,13 +32,16 @@ def run(function, what):
     child = fork.Process(target=_answer, args=(function, what, its), daemon=True)
     child.start()
     its.close()
+    too_long = threading.Timer(WAIT_SECONDS, child.kill)
+    too_long.start()
     try:
-        answer = json.loads(ours.recv_bytes(MOST_ANSWER)) if ours.poll(WAIT_SECONDS) else None
+        answer = json.loads(ours.recv_bytes(MOST_ANSWER))
         child.kill()
     except (EOFError, OSError, ValueError):  # it crashed, or wrote what is no answer
         answer = None
     ours.close()
     child.join()
+    too_long.cancel()
     if answer is None:
         why = "its reader crashed" + (f" ({signal.Signals(-child.exitcode).name})" if child.exitcode else "")
         if -child.exitcode in (signal.SIGXCPU, signal.SIGKILL):
