@@ -59,7 +59,7 @@ def parser():
     p.add_argument("--method", choices=("auto", *xtb.METHODS), default="auto",
                    help=f"method of xtb: gfn2 is GFN2-xTB, gfnff the force field GFN-FF, and auto (default) takes gfn2 up to "
                    f"{steps.GFN2_ATOMS} atoms")
-    p.add_argument("--solvent", choices=xtb.SOLVENTS, metavar="NAME",
+    p.add_argument("--solvent", type=str.lower, choices=xtb.SOLVENTS, metavar="NAME",
                    help=f"solvent around the molecule by xtb's GBSA: {', '.join(xtb.SOLVENTS)} (default: none)")
     p.add_argument("--single-points", metavar="COMMAND",
                    help="program that gives the energies along the paths instead of xtb: it gets the name of an XYZ file, "
