@@ -24,11 +24,12 @@ constexpr double kReturn = 0.03;       // in all other cases
 constexpr double kRestTime = 0.25;
 constexpr double kRestRadius = 3e-3;
 constexpr double kRestMean = 0.1;
-// The tank of a resting hand is filled up to half of what the model holds, or all of it up to so
-// many joules: each tremble takes a part of it out and brings it back.
+// Joules. The tank of a resting hand is filled up to half of what the model holds, but at least up
+// to this, if the model holds as much: a tremble takes a part of it out and brings it back.
 constexpr double kLow = 5e-5;
-// Joules above all of it, up to which it is filled when it had too little: the model holds less
-// than nothing where its interpolated energy dips below the lowest one of the records.
+// Joules above what the model holds, up to which the tank is filled when it had too little: the
+// model holds less than nothing where its interpolated energy dips below the lowest one of the
+// records.
 constexpr double kAbove = 1e-4;
 // Newtons: less is not withheld at all, so that withholding ends.
 constexpr double kNothing = 1e-6;

@@ -35,8 +35,8 @@
 // damp.
 //
 // The bound holds under these assumptions:
-// - The damping of hand and device is at least TankTerms::damping, or takes as much as
-//   may be given back.
+// - The damping of hand and device is at least TankTerms::damping, or takes as much as may be given
+//   back.
 // - The hand's acceleration is at most TankTerms::acceleration.
 // - A force is in effect TankTerms::delay or one more ticks after it was sent, for whole ticks.
 // - Positions are rounded to TankTerms::encoder, and energy is counted along rounded positions.

@@ -93,6 +93,7 @@ hapgrid molecule --smiles '[NH3+]CC(=O)[O-]' --method gfnff --solvent water -o w
 METHOD=(--gfnff --gbsa water)
 within "energy in water" "$(awk -v a="$(word wet/conformation.xyz 1 E)" -v b="$(xtb_energy wet/conformation.xyz 1)" \
   'BEGIN { print a - b }')" -0.00003 0.00003
+# It is a minimum: none is imaginary, which would be written i123. The lowest one is that of a torsion, below 300 cm^-1.
 within "lowest wave number" "$(awk -F'\t' '$1 == "conformation" { print $4 }' wet/report.tsv)" 1 300
 expect 2 '' "~molecule: argument --solvent: invalid choice: 'beer' .choose from 'acetone', .*, 'water'. .see --help." -- \
   hapgrid molecule --smiles CO --solvent beer -o beer
