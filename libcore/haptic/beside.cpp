@@ -83,24 +83,36 @@ void Beside::tell(const Vec3& x, std::optional<Level> begins) noexcept {
   ++tick_;
   if (begins) first_tick_ = tick_;
   const Place place{tick_, x, look_ahead(x), begins ? begins : must_begin_};
-  if (delay_)
-    ask(place, held_back_[tick_ % held_back_.size()]);
-  else
+  if (!delay_) {
     must_begin_ = places_.push(place) ? std::nullopt : place.begins;
-  newest_ = newest();
-  kept_up_ = false;
-  if (!newest_) return;
-  const std::uint64_t age = tick_ - newest_->tick;
-  lateness_.add(static_cast<std::int64_t>(age));
-  kept_up_ = age <= oldest_;
-  ticks_kept_up_ += kept_up_;
+    return;
+  }
+  ask(place, held_back_[tick_ % held_back_.size()]);
+  if (tick_ > *delay_) take(held_back_[(tick_ - *delay_) % held_back_.size()], tick_);
+}
+
+void Beside::receive() noexcept {
+  answers_.update();
+  take(answers_.front(), tick_ + 1);
+}
+
+/// @param tick in which the answer counts
+void Beside::take(const BesideAnswer& answer, std::uint64_t tick) noexcept {
+  newest_ = answer.usable && answer.tick >= first_tick_ ? &answer : nullptr;
+  if (newest_) lateness_.add(static_cast<std::int64_t>(tick - newest_->tick));
+  ticks_kept_up_ += this->answer() != nullptr;
+}
+
+const BesideAnswer* Beside::answer() const noexcept {
+  const bool counts = newest_ && newest_->tick >= first_tick_ && tick_ - newest_->tick <= oldest_;
+  return counts ? newest_ : nullptr;
 }
 
 /// Where the hand will be when the answer comes, if it is as late as the last one. It is not asked
 /// for more than kFarthest, and not outside the box.
 Vec3 Beside::look_ahead(const Vec3& x) noexcept {
   last_places_[tick_ % kFarthestAhead] = x;
-  const std::uint64_t late = delay_ ? *delay_ : newest_ ? tick_ - 1 - newest_->tick : 0;
+  const std::uint64_t late = delay_ ? *delay_ : newest_ ? tick_ - newest_->tick : 0;
   if (late >= kFarthestAhead || tick_ - first_tick_ < late) return x;
   Vec3 way = x - last_places_[(tick_ - late) % kFarthestAhead];
   const double length = length_of(way), most = kFarthest * box_.spacing;
@@ -110,18 +122,6 @@ Vec3 Beside::look_ahead(const Vec3& x) noexcept {
     ahead[a] =
         std::clamp(ahead[a], box_.origin[a], box_.origin[a] + box_.spacing * (box_.counts[a] - 1));
   return ahead;
-}
-
-/// The newest usable answer since the last start; null where there is none.
-const BesideAnswer* Beside::newest() noexcept {
-  const BesideAnswer* found = nullptr;
-  if (delay_) {
-    if (tick_ > *delay_) found = &held_back_[(tick_ - *delay_) % held_back_.size()];
-  } else {
-    answers_.update();
-    found = &answers_.front();
-  }
-  return found && found->usable && found->tick >= first_tick_ ? found : nullptr;
 }
 
 void Beside::ask(const Place& place, BesideAnswer& answer) noexcept {

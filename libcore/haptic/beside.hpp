@@ -9,7 +9,8 @@
 //
 // Choice. For a live hand a thread of its own makes the conversions. The loop passes it each place
 // of the hand through a ring, and takes the newest answer from a triple buffer; neither waits for
-// the other. An answer says to which tick it belongs, and one that is too old is not given. When
+// the other. It takes it shortly before a tick, since to read what another processor has just
+// written takes longer than the whole of a tick without a model. An answer says to which tick it belongs, and one that is too old is not given. When
 // nobody waits, as in the play of a path, the model is asked in the tick itself, and its answers
 // can be held back by a number of ticks: so the same input always gives the same output.
 //
@@ -77,8 +78,10 @@ class Beside {
   /// grid point, or in the one to which the model comes along the way.
   void start(const Vec3& x, Level level = 0) noexcept { tell(x, level); }
   void follow(const Vec3& x) noexcept { tell(x, std::nullopt); }
+  /// Takes the newest answer of the other thread.
+  void receive() noexcept;
   /// The newest answer that is young enough; null where there is none.
-  const BesideAnswer* answer() const noexcept { return kept_up_ ? newest_ : nullptr; }
+  const BesideAnswer* answer() const noexcept;
   /// Counts the ticks.
   std::uint64_t tick() const { return tick_; }
 
@@ -103,7 +106,7 @@ class Beside {
   };
   void tell(const Vec3& x, std::optional<Level> begins) noexcept;
   Vec3 look_ahead(const Vec3& x) noexcept;
-  const BesideAnswer* newest() noexcept;
+  void take(const BesideAnswer& answer, std::uint64_t tick) noexcept;
   void ask(const Place& place, BesideAnswer& answer) noexcept;
   void work(const std::stop_token& token) noexcept;
   void ask_all(std::span<const Place> places, const std::stop_token& token) noexcept;
@@ -125,9 +128,8 @@ class Beside {
   std::uint64_t first_tick_ = 0;                       // since the last start
   static constexpr std::uint64_t kFarthestAhead = 32;  // ticks
   std::array<Vec3, kFarthestAhead> last_places_{};     // a ring
-  const BesideAnswer* newest_ = nullptr;
-  bool kept_up_ = false;
-  std::optional<Level> must_begin_;  // the ring was full at the last start
+  const BesideAnswer* newest_ = nullptr;               // that is usable
+  std::optional<Level> must_begin_;                    // the ring was full at the last start
   std::uint64_t ticks_kept_up_ = 0;
   Histogram lateness_;
 

@@ -28,7 +28,6 @@ bool is_near_cell(const Vec3& part) {
 }  // namespace
 
 void BranchTraversal::settle(StepResult& result) noexcept {
-  followed_ = nullptr;
   if (!beside_) return;
   if (result.started) {
     beside_->start(position());
@@ -38,11 +37,28 @@ void BranchTraversal::settle(StepResult& result) noexcept {
   } else {
     beside_->follow(position());
   }
+  // If the grid has snapped, late answers still tell of the branch before: they are passed over
+  // until one comes that is as late after the snap.
+  if (result.snapped) trusted_from_ = beside_->tick() + age_of_answer();
+  if (!beside_->has_thread()) return follow_newest(result);
+  result.still_held = offset_.is_held();
+  if (!result.still_held) followed_ = nullptr;
+}
+
+void BranchTraversal::follow_model(StepResult& result) noexcept {
+  beside_->receive();
+  follow_newest(result);
+}
+
+/// The newest answer's, in ticks; 0 where there is none.
+std::uint64_t BranchTraversal::age_of_answer() const noexcept {
   const BesideAnswer* const answer = beside_->answer();
-  const std::uint64_t age = answer ? beside_->tick() - answer->tick : 0;
-  // The grid decides where the model does not. If the grid has snapped, late answers still tell of
-  // the branch before: they are passed over until one comes that is as late after the snap.
-  if (result.snapped) trusted_from_ = beside_->tick() + age;
+  return answer ? beside_->tick() - answer->tick : 0;
+}
+
+/// The grid decides where the model does not.
+void BranchTraversal::follow_newest(StepResult& result) noexcept {
+  const BesideAnswer* const answer = beside_->answer();
   if (answer && answer->tick >= trusted_from_ && is_near_cell(part_beside_cell(answer->at))) {
     const BesideAnswer& nearest = keep_nearest(*answer);
     result.still_held = offset_.is_held() && nearest.tick == held_tick_;
@@ -52,8 +68,9 @@ void BranchTraversal::settle(StepResult& result) noexcept {
     follow(nearest, result);
     return;
   }
+  followed_ = nullptr;
   offset_.let_go();
-  if (decide_by_grid(result)) trusted_from_ = beside_->tick() + age;
+  if (decide_by_grid(result)) trusted_from_ = beside_->tick() + age_of_answer();
 }
 
 /// A hand that turns round does not come to where the model looked ahead, but back to where it was:

@@ -54,6 +54,7 @@ class BranchTraversal final : public Traversal {
   BranchTraversal(const Grid& grid, std::shared_ptr<const BranchMap> map,
                   std::uint16_t max_sub_steps = kDefaultMaxSubSteps);
   void walk_beside(Beside* beside) override { beside_ = beside; }
+  bool is_corrected_between() const noexcept override { return beside_ && beside_->has_thread(); }
   const BesideAnswer* followed() const override { return followed_; }
   const BranchNodes* branch_nodes() const override { return &map_->nodes; }
 
@@ -63,6 +64,7 @@ class BranchTraversal final : public Traversal {
   bool cross(int q, PointIndex base, const Vec3& y, StepResult& result) noexcept override;
   bool move(const Vec3& x, StepResult& result) noexcept override;
   void settle(StepResult& result) noexcept override;
+  void follow_model(StepResult& result) noexcept override;
   void evaluate() noexcept override;
 
   /// The corners that an anchor gives a cell.
@@ -84,6 +86,8 @@ class BranchTraversal final : public Traversal {
   bool find_better(PointIndex base, const std::array<double, 8>& weights,
                    const std::array<RecordIndex, 8>& kept, Branch& branch) const noexcept;
   void change_anchor(StepResult& result) noexcept;
+  void follow_newest(StepResult& result) noexcept;
+  std::uint64_t age_of_answer() const noexcept;
   const BesideAnswer& keep_nearest(const BesideAnswer& newest) noexcept;
   void follow(const BesideAnswer& answer, StepResult& result) noexcept;
   double find_missing(const std::array<const double*, 8>& rows,

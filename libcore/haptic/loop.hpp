@@ -97,6 +97,12 @@ class Responder {
   Responder(Mapping& mapping, Traversal& traversal, SafetyCore& safety, Force& force)
       : mapping_(mapping), traversal_(traversal), safety_(safety), force_(force) {}
 
+  /// Between two ticks: state and force take what the model beside the grid has said.
+  void correct() {
+    if (!traversal_.correct()) return;
+    if constexpr (requires { force_.correct(traversal_); }) force_.correct(traversal_);
+  }
+
   /// @param dt seconds since the tick before, by the schedule. @param missed ticks in between.
   /// @param slew_ns as Tick has it
   Tick respond(std::uint64_t number, const DeviceInput& input, double dt, std::uint64_t missed,
@@ -201,6 +207,10 @@ void drive(Device& device, Mapping& mapping, Traversal& traversal, SafetyCore& s
   std::uint64_t last = 0;
   std::int64_t sent_ns = 0;
   for (;;) {
+    if (traversal.is_corrected_between()) {
+      pacer.wait_for_eve(stop);
+      responder.correct();
+    }
     const std::uint64_t due = pacer.wait(stop);
     heartbeat.fetch_add(1, std::memory_order_relaxed);
     if (stop.load(std::memory_order_relaxed) != 0) {
@@ -252,7 +262,8 @@ void drive(Device& device, Mapping& mapping, Traversal& traversal, SafetyCore& s
 ///               after each usable step, of which it knows by Traversal::last_step(). Real-time
 ///               safe. It may have a member double stored_energy(const Traversal&): the energy in
 ///               joules that the hand can get from the model there, asked after the force where
-///               the safety core needs it.
+///               the safety core needs it; and a member void correct(const Traversal&), which is
+///               called after each Traversal::correct().
 /// @param sink   void (const Tick&), after the force was sent; real-time safe when paced.
 /// @param heartbeat counts the ticks as they begin, for a watchdog in another thread.
 /// @throw whatever force and sink throw, after a zero force was sent.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
@@ -44,7 +45,7 @@ Traversal::Traversal(const Grid& grid, std::uint16_t max_sub_steps)
 
 const StepResult& Traversal::start(const Vec3& hip, Level level) noexcept {
   step_ = {.started = true, .from = position_};
-  started_ = false;
+  started_ = snapped_between_ = false;
   ++jumps_;
   if (!finite(hip)) {
     step_.not_finite = true;
@@ -90,8 +91,7 @@ const StepResult& Traversal::step(const Vec3& hip, bool next) noexcept {
     } else {
       step_.blocked = true;
     }
-    jumps_ += step_.snapped;
-    evaluate();
+    finish();
     return step_;
   }
   if (!started_) return start(hip);
@@ -107,9 +107,23 @@ const StepResult& Traversal::step(const Vec3& hip, bool next) noexcept {
   if (next && !step_.blocked) choose_next();
   if (!step_.blocked) settle(step_);
   compare_corners(before);
+  finish();
+  return step_;
+}
+
+void Traversal::finish() noexcept {
+  if (std::exchange(snapped_between_, false)) step_.snapped = step_.level_changed = true;
   jumps_ += step_.snapped;
   evaluate();
-  return step_;
+}
+
+bool Traversal::correct() noexcept {
+  if (!started_ || !step_.usable()) return false;
+  step_ = {.from = position_};
+  follow_model(step_);
+  snapped_between_ |= step_.snapped;
+  evaluate();
+  return true;
 }
 
 bool Traversal::clamp(Vec3& x) const noexcept {

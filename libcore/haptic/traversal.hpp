@@ -63,8 +63,8 @@ struct StepResult {
   std::uint16_t face_switches = 0;
   std::uint16_t edge_switches = 0;
   std::uint16_t vertex_switches = 0;
-  /// Of the model's last answers, the one about the place nearest to position() is the one that was
-  /// followed last, which therefore still counts.
+  /// The model's answer that was followed last still counts: of the last ones, it is that about the
+  /// place nearest to position(), or others are followed between the steps.
   bool still_held = false;
   std::int8_t direction = -1;  ///< of the last switch to another cell; -1: there was none
   /// Some corner that the cells before and after the step share has another node. False where the
@@ -118,6 +118,12 @@ class Traversal {
   /// From now on the model corrects state and force, where it keeps up. A rule that has no branches
   /// ignores it. @param beside of the same grid; it is told of each step, and outlives this.
   virtual void walk_beside(Beside*) {}
+  /// Whether correct() is to be called between two steps.
+  virtual bool is_corrected_between() const noexcept { return false; }
+  /// Between two steps: takes what the model has said since the last one, as a step does in which
+  /// the hand rests. So no step waits for memory that the model's thread has written. If the state
+  /// snaps, the next step says so. @returns whether last_step() is such a step now
+  bool correct() noexcept;
   /// The model's answer that the last step followed; null where there was none.
   virtual const BesideAnswer* followed() const { return nullptr; }
   /// Where position() is in the cell, in [0, 1] on each axis.
@@ -162,6 +168,8 @@ class Traversal {
   /// Once in each step that is usable, when position() is settled: decides between states that the
   /// place allows, for rules that know more of the hand than its place.
   virtual void settle(StepResult&) noexcept {}
+  /// Corrects the state at position(), between two steps.
+  virtual void follow_model(StepResult&) noexcept {}
   /// Sets row() to what is at position().
   virtual void evaluate() noexcept = 0;
 
@@ -187,6 +195,7 @@ class Traversal {
   bool clamp(Vec3& x) const noexcept;
   std::int64_t cells_away(int axis, double x) const noexcept;
   std::array<std::int64_t, 3> cells_away(const Vec3& x) const noexcept;
+  void finish() noexcept;
   void travel(const Vec3& x) noexcept;
   bool switch_cell(const std::array<std::int64_t, 3>& move, const Vec3& y) noexcept;
   void choose_next() noexcept;
@@ -198,6 +207,7 @@ class Traversal {
   Vec3 box_high_;
   bool started_ = false;
   StepResult step_;
+  bool snapped_between_ = false;  // since step_
   std::uint64_t jumps_ = 0;
   Vec3 position_{0, 0, 0};
   GridCoordinates cell_{0, 0, 0};

@@ -281,12 +281,81 @@ TEST_CASE("a thread follows the hand along its whole way, and nobody waits for i
   // The next ticks are late enough for the model to keep up: the place stays the same.
   for (int i = 0; i < 20'000 && !(beside.answer() && beside.answer()->tick >= last); ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    beside.receive();
     beside.follow({3.5, 0, 0});
   }
   REQUIRE(beside.answer());
   CHECK(beside.answer()->at == Vec3{3.5, 0, 0});
   CHECK(beside.answer()->row[0] == -100);
   CHECK(beside.kept_up() > 0);
+}
+
+/// Until the thread's answer to the last step was taken.
+void wait_for_answer(BranchTraversal& t, NodeForce& force, const Beside& beside) {
+  for (int i = 0; i < 20'000; ++i) {
+    REQUIRE(t.correct());
+    force(t);
+    if (t.last_step().snapped || (beside.answer() && beside.answer()->tick == beside.tick()))
+      return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  FAIL("no answer within 20 s");
+}
+
+TEST_CASE("what the thread's model says is taken between two steps, of which the next one tells") {
+  const Grid grid = line();
+  BranchTraversal t(grid, std::make_shared<const BranchMap>(grid));
+  Beside beside(grid, model_of_line(grid.spec(), kEndsEarly), std::nullopt);
+  beside.begin(1000);
+  t.walk_beside(&beside);
+  CHECK(t.is_corrected_between());
+  CHECK_FALSE(t.correct());  // nothing has begun
+  RecordFields fields;
+  for (RecordIndex i = 0; i < grid.records(); ++i) fields.force.push_back({0, 0, 0});
+  NodeForce force(std::make_shared<const NodeEnergies>(grid, fields), grid.box(), mean_force);
+  // The model says that the branch ends at 4.3, the grid at 4.5. Nothing jumps in a step itself:
+  // the one after the snap tells of it.
+  int told = 0;
+  bool has_snapped = false;
+  for (int i = 50; i <= 870; ++i) {
+    const double x = i / 200.0;
+    REQUIRE(t.step({x, 0, 0}).usable());
+    force(t);
+    REQUIRE(t.last_step().snapped == std::exchange(has_snapped, false));
+    told += t.last_step().snapped;
+    REQUIRE(t.jumps() == 1 + static_cast<std::uint64_t>(told));  // the start is one
+    wait_for_answer(t, force, beside);
+    has_snapped = t.last_step().snapped;
+    if (x < kEndsEarly - 0.01) REQUIRE(std::abs(t.state()[0] - state_at(true, x)) < 1e-12);
+    if (x > kEndsEarly + 0.01) REQUIRE(t.state()[0] == state_at(false, x));
+  }
+  CHECK(told == 1);
+}
+
+TEST_CASE("between two answers of the thread's model, what the grid lacks stays the same") {
+  const Grid grid = straight_line();
+  BranchTraversal t(grid, std::make_shared<const BranchMap>(grid));
+  Beside beside(grid, wavy_model(grid.spec(), 8), std::nullopt);
+  beside.begin(1000);
+  t.walk_beside(&beside);
+  RecordFields fields;
+  for (int i = 0; i < 8; ++i) fields.force.push_back({-i / 10.0, 0, 0});
+  NodeForce force(std::make_shared<const NodeEnergies>(grid, fields), grid.box(), mean_force);
+  const auto step = [&](double x) {
+    REQUIRE(t.step({x, 0, 0}).usable());
+    return force(t)[0];
+  };
+  // What was missing first comes within half a spacing.
+  for (const double x : {2.3, 2.5, 2.7, 2.9, 2.9, 2.9}) {
+    step(x);
+    wait_for_answer(t, force, beside);
+  }
+  REQUIRE(beside.answer()->at == Vec3{2.9, 0, 0});
+  for (const double x : {2.9, 2.95, 3.0, 3.05}) {  // over a point, where the corners change
+    const double f = step(x);
+    CHECK(std::abs(t.state()[0] - x - wave(2.9)) < 1e-12);  // some roundings
+    CHECK(std::abs(f + x / 10 - wave(2.9)) < 1e-6);         // the grid's forces are floats
+  }
 }
 
 TEST_CASE("with a model beside the grid no step allocates, whatever model and links say") {
