@@ -30,7 +30,7 @@ constexpr double kLow = 5e-5;
 // Joules above what the model holds, up to which the tank is filled when it had too little: the
 // model holds less than nothing where its interpolated energy dips below the lowest one of the
 // records.
-constexpr double kAbove = 1e-4;
+constexpr double kAbove = 5e-5;
 // Newtons: less is not withheld at all, so that withholding ends.
 constexpr double kNothing = 1e-6;
 // The part of the way to the wanted force is found to 2^-20.
@@ -219,7 +219,7 @@ void EnergyTank::refill(const TankTerms& terms, double held, double dt) noexcept
   const double all = std::max(0.0, held);
   const double wanted = is_weak ? all + kAbove : std::max(all / 2, std::min(all, kLow));
   const double lacks = wanted - energy_;
-  if (lacks > 0) energy_ += std::min(lacks, kRefill * dt);
+  if (lacks > 0) energy_ += std::min(lacks, (is_weak ? kRefill : kTopUp) * dt);
   if (is_weak && lacks < kAbove / 2)
     for (double& w : withheld_) w *= kFilledReturn / (kFilledReturn + dt);
 }
