@@ -70,7 +70,7 @@ inline constexpr double kMostDampedMoving = 1.5e-3;
 /// W with which the tank of a resting hand is filled while its force is weakened, and while it runs
 /// low before that.
 inline constexpr double kRefill = 3e-3;
-inline constexpr double kTopUp = 5e-4;
+inline constexpr double kTopUp = 9e-4;
 /// The largest TankTerms::delay.
 inline constexpr std::uint32_t kMaxTankDelay = 30;
 
