@@ -10,9 +10,10 @@
 // Choice. For a live hand a thread of its own makes the conversions. The loop passes it each place
 // of the hand through a ring, and takes the newest answer from a triple buffer; neither waits for
 // the other. It takes it shortly before a tick, since to read what another processor has just
-// written takes longer than the whole of a tick without a model. An answer says to which tick it belongs, and one that is too old is not given. When
-// nobody waits, as in the play of a path, the model is asked in the tick itself, and its answers
-// can be held back by a number of ticks: so the same input always gives the same output.
+// written takes longer than the whole of a tick without a model. An answer says to which tick it
+// belongs, and one that is too old is not given. When nobody waits, as in the play of a path, the
+// model is asked in the tick itself, and its answers can be held back by a number of ticks: so the
+// same input always gives the same output.
 //
 // Answers come late by some ticks, in which the hand has gone on. So the model is also asked in
 // which state it will be when the answer comes, if the hand goes on as it did in as many ticks
