@@ -284,8 +284,10 @@ void Poses::relax(const double* x, double* s) const {
     for (std::size_t k = 0; k < turns; ++k)
       for (std::size_t l = 0; l <= k; ++l) scale += std::abs(at.bend[k][l]);
     std::array<double, kMost> w{};
+    // The first lambda is small: one that is much larger than the curvature of a flat ridge would
+    // make its steps so short that they do not leave it.
     while (!solve(at.bend, lambda, at.slope, turns, w) || length(w.data(), turns) > longest)
-      lambda = lambda == 0 ? 1e-3 * scale : 2 * lambda;
+      lambda = lambda == 0 ? 1e-9 * scale : 2 * lambda;
     const double way = length(w.data(), turns);
     if (way < kShortestTurn) return;
     std::array<double, 6 + kMostTorsions> next{};
