@@ -8,6 +8,7 @@ from hapgrid_command.files import Failed, digest, remove
 from hapgrid_table import page, readers
 from hapgrid_table.course import table_text
 from hapgrid_table.work import course
+from scipy.interpolate import CubicSpline
 
 from . import field, maps
 
@@ -152,21 +153,10 @@ def _wall(work, low, spacing, counts, threads):
     # A spline needs four points along each axis.
     values = np.pad(lowest.reshape(counts, order="F"), 1, mode="reflect", reflect_type="odd")
     work.write(WALL, table_text(readers.Table(values, low - spacing, spacing * np.eye(3))))
-    slopes = np.linalg.norm([_slopes(values, axis) for axis in range(3)], axis=0)[1:-1, 1:-1, 1:-1] / spacing
+    # By the spline of the plug-in, which is "not a knot" as well.
+    slopes = np.linalg.norm([CubicSpline(np.arange(n), values, axis=axis)(np.arange(n), 1) for axis, n in
+                             enumerate(values.shape)], axis=0)[1:-1, 1:-1, 1:-1] / spacing
     return max(*(one[-1] for one in found), FORCE_SCALE * slopes.max(where=lowest.reshape(counts, order="F") > 0, initial=0))
-
-
-def _slopes(values, axis):
-    """Of the spline (spline.hpp) at its points along an axis, by steps."""
-    f = np.moveaxis(values, axis, 0)
-    n = len(f)
-    matrix = 4 * np.eye(n) + np.eye(n, k=1) + np.eye(n, k=-1)
-    right = np.empty_like(f)
-    right[1:-1] = 3 * (f[2:] - f[:-2])
-    for end, way in ((0, 1), (n - 1, -1)):  # not a knot
-        matrix[end, [end, end + way]] = 1, 2
-        right[end] = way * (-2.5 * f[end] + 2 * f[end + way] + 0.5 * f[end + 2 * way])
-    return np.moveaxis(np.tensordot(np.linalg.inv(matrix), right, 1), 0, axis)
 
 
 def _records(work, grid):

@@ -6,7 +6,7 @@ needs autodock4 autodock
 needs autogrid4 autogrid
 needs obabel openbabel
 needs vina autodock-vina
-needs_python numpy python3-numpy
+needs_python scipy python3-scipy
 host=$HAPGRID_SOURCE/examples/docking/calix.mol2 ligand=$HAPGRID_SOURCE/examples/docking/formamide.mol2
 
 hapgrid dock "$host" "$ligand" -o usual --centre 0,0,3 --size 2,2,3 --map-spacing 0.375 --until definition -q
