@@ -1,6 +1,7 @@
 """The course of a host and a ligand from their files to the page."""
 
 import json
+import math
 import os
 
 import numpy as np
@@ -15,6 +16,7 @@ from . import field, maps
 LARGEST = 10.0  # angstrom: the sides of a box that nobody asked for
 MAX_LEVELS = 254
 WALL = "wall.table"
+MOST_POINTS = 200_000  # of a grid: at each of them, deepest orientations are sought
 PART = 250  # points, whose deepest orientations are sought and kept at a time
 FORCE_SCALE = 0.02  # newtons for 1 kJ/(mol angstrom), unless this makes the largest force larger than
 LARGEST_FORCE = 2.7  # newtons: the search may find a little more, and a hand feels no more than 3
@@ -64,6 +66,9 @@ def _define(o, work, name):
     centre = np.array(o.centre) if o.centre else (low + high) / 2
     size = np.array(o.size) if o.size else np.minimum(high - low, LARGEST)
     counts = [max(int(np.floor(s / o.spacing + 1e-6)) + 1, 2) for s in size]
+    if math.prod(counts) > MOST_POINTS:
+        raise Failed(f"the box has {math.prod(counts):,} points, at most {MOST_POINTS:,} are possible: make --size smaller or "
+                     "--spacing larger")
     size = (np.array(counts) - 1) * o.spacing
     if own and not ((centre - size / 2 >= low - 1e-6) & (centre + size / 2 <= high + 1e-6)).all():
         raise Failed(f"the box is not inside the maps, which go from {_point(low)} to {_point(high)}")

@@ -108,7 +108,11 @@ refuses 'dock: word.pqr: no PQR: an atom has no place or charge' -- hapgrid dock
 
 refuses 'dock: gone.mol2: No such file or directory' -- hapgrid dock gone.mol2 "$ligand" -o out -q
 echo nothing >nothing.pdbqt
-refuses 'dock: nothing.pdbqt: Open Babel finds no atoms in it' -- hapgrid dock nothing.pdbqt "$ligand" -o out -q
+refuses 'dock: nothing.pdbqt: no atoms are found in it: .*' -- hapgrid dock nothing.pdbqt "$ligand" -o out -q
+obabel -:NC=O -O flat.mol2 >/dev/null 2>&1
+refuses 'dock: flat.mol2: all atoms lie at one place: .*' -- hapgrid dock "$host" flat.mol2 -o out -q
+refuses 'dock: the box has 1,030,301 points, at most 200,000 are possible: .*' -- \
+  hapgrid dock "$host" "$ligand" -o out --size 50,50,50 --atoms -q
 grep -v '^ATOM.*  [234]  ' small/ligand.pdbqt | sed '/^ATOM      5/d' >one.pdbqt
 refuses 'dock: one.pdbqt: one atom cannot turn: .*' -- hapgrid dock "$host" one.pdbqt -o out -q
 for ((n = 0; n < 201; ++n)); do grep '^ATOM      1' small/ligand.pdbqt; done >many.pdbqt
@@ -122,3 +126,11 @@ refuses 'dock: the ligand overlaps with the host everywhere in the box: .*' -- \
   hapgrid dock "$host" "$ligand" -o inside --centre 0.17,-2.29,-1.97 --size 0.5,0.5,0.5 --spacing 0.5 --map-spacing 0.375 -q
 [[ ! -e inside/inside.grid ]] || fail 'the search ran before the box was refused'
 expect 2 '' '~dock: argument --size: must be three numbers from 0.5 to 60 .*' -- hapgrid dock a b -o out --size 1,2
+expect 2 '' '~dock: argument --size: must be three numbers from 0.5 to 60 .*' -- hapgrid dock a b -o out --size 1,2,x
+
+# Of several poses, as vina writes them, the first is taken. A number below zero is a centre, not an option.
+sed 's/^ATOM.*  2  .*/REMARK/' small/ligand.pdbqt >other.pdbqt
+{ echo 'MODEL 1'; cat small/ligand.pdbqt; printf 'ENDMDL\nMODEL 2\n'; cat other.pdbqt; echo ENDMDL; } >poses.pdbqt
+hapgrid dock "$host" poses.pdbqt -o poses --centre -0.1,0,3 --size 0.5,0.5,0.5 --map-spacing 0.375 --until definition 2>said
+grep -q 'poses.pdbqt has several molecules or poses: the first is taken' said || fail "$(cat said)"
+cmp small/ligand.pdbqt poses/ligand.pdbqt
