@@ -13,6 +13,8 @@ hapgrid dock "$host" "$ligand" -o usual --centre 0,0,3 --size 2,2,3 --map-spacin
 /usr/bin/python3 "$here/energies.py" usual on
 hapgrid dock "$host" "$ligand" -o fine --centre 0,0,2.5 --size 0.5,0.5,0.5 --map-spacing 0.05 --until definition -q
 /usr/bin/python3 "$here/energies.py" fine between
+hapgrid dock "$host" "$ligand" -o coarse --centre 0,0,2.5 --size 0.5,0.5,0.5 --map-spacing 0.375 --until definition -q
+/usr/bin/python3 "$here/energies.py" coarse between fine
 
 # Above the cavity, where few orientations are minima.
 hapgrid dock "$host" "$ligand" -o small --centre 0,0,4 --size 1.6,1.6,1.6 --spacing 0.8 --map-spacing 0.375 -q >line

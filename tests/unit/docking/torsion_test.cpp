@@ -158,7 +158,6 @@ TEST_CASE("at rest neither the ligand nor its bonds can turn downhill") {
 TEST_CASE("a ligand leaves a ridge that is flat beside a stiff valley") {
   // Two atoms keep the ligand along x, with 500 kcal/mol for the square of an angstrom. Two others
   // turn around x, with 1e-4 y^2 kcal/mol: from the ridge at y = 1 and -1 to the valley at y = 0.
-  // Splines have these energies exactly.
   std::vector<table::Lattice> maps(4, landscape(0));
   for (std::size_t n = 0; n < maps[0].values.size(); ++n) {
     const double y = static_cast<double>(n / 17 % 17) - 8, z = static_cast<double>(n / 289) - 8;
