@@ -11,7 +11,8 @@ from hapgrid_command import plots
 
 STYLE = """body { font: 16px/1.5 sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em; color: #222 }
 table { border-collapse: collapse } td, th { padding: 0.2em 0.8em; border-bottom: 1px solid #8c8c8c; text-align: left }
-img { max-width: 100% } iframe { width: 100%; height: 34em; border: 1px solid #8c8c8c } code { background: #eee }"""
+img { max-width: 100% } iframe { width: 100%; height: 34em; border: 1px solid #8c8c8c } code { background: #eee }
+pre { overflow-x: auto }"""
 
 
 class Values:
@@ -121,6 +122,7 @@ def write_frame(work, name, body):
     title, quoted = html.escape(name), urllib.parse.quote(name)
     work.write("index.html", f"""<!DOCTYPE html>
 <meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
 <title>{title}</title>
 <style>
 {STYLE}
