@@ -105,7 +105,7 @@ wall = "{WALL}"       # the energy of the deepest pose at each point, with `soft
 {types}soft = 20                 # kJ/mol: energies E above it, of an atom and of all, become soft (1 + ln(E / soft))
 highest = 0               # kJ/mol: a pose that is higher turns over to the deepest one at the nearest point of the wall
 torsions = {o.torsions}              # so many of the ligand's bonds turn, those around which its own energy changes least
-substep = 0.1             # of the HIP between two minimisations, Å
+substep = {0.05 if o.torsions else 0.1:<16g}# of the HIP between two minimisations, Å
 tolerance = 0.1           # orientations whose atoms are no farther apart, RMS, are one; Å
 force_scale = {force_scale:<12.3g}# newtons on the device for 1 kJ/(mol Å)
 
