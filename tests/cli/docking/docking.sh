@@ -24,6 +24,10 @@ for made in index.html poses.tsv path.txt inside.png outside.png energy.png forc
 done
 check-model small/small.toml --steps 50 >report || fail "$(cat report)"
 
+# Records that are far apart do not tell the force between them, so that verify cannot prove all.
+hapgrid dock "$host" "$ligand" -o far --centre 0,0,2.5 --size 2,2,2 --spacing 2 --map-spacing 0.375 2>said >line
+grep -q 'not all can be proved: see far/verify.txt' said || fail "$(cat said)"
+
 # At the rim, where half of the points lie inside atoms.
 hapgrid dock "$host" "$ligand" -o rim --centre 0,1.2,2.6 --size 1.2,1.2,1.2 --spacing 0.4 --map-spacing 0.375 -q >line
 grep -Eq '^passive .* ok$' rim/verify.txt || fail "$(cat rim/verify.txt)"
