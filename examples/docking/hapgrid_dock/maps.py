@@ -23,13 +23,14 @@ def pdbqt(work, given, name, most):
         text = file.read()
     if given.lower().endswith(".pdbqt"):
         work.write(f"{name}.pdbqt", text)
-    elif given.lower().endswith(".pqr"):
-        work.write(f"{name}.pdbqt", pqr.pdbqt(text, given))
     else:
         lines = text.splitlines()
         counted = sum(line.startswith(("ATOM", "HETATM")) for line in lines) or len(lines) - MOST_REMARKS
-        if counted > 4 * most:  # Open Babel would need minutes to say so; hydrogens of carbon go into their atoms
+        if counted > 4 * most:  # what follows would need minutes to say so; hydrogens of carbon go into their atoms
             raise Failed(f"{given}: it has more than {most:,} atoms")
+    if given.lower().endswith(".pqr"):
+        work.write(f"{name}.pdbqt", pqr.pdbqt(text, given))
+    elif not given.lower().endswith(".pdbqt"):
         charges = [] if given.lower().endswith(".mol2") else ["--partialcharge", "gasteiger"]
         rigid = ["-xr"] if name == "host" else []
         out = work.path(f"{name}.pdbqt")

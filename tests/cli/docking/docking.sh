@@ -127,6 +127,8 @@ sed 's/ OA$/ Xx/' small/ligand.pdbqt >strange.pdbqt
 refuses 'dock: autogrid4: ERROR:  unknown ligand atom type Xx' -- hapgrid dock "$host" strange.pdbqt -o out -q
 { sed '/ATOM>/q' "$host"; seq 200000 | sed 's/$/ C 0 0 0 C.3 1 UNL1 0.1/'; } >huge.mol2
 refuses 'dock: huge.mol2: it has more than 20,000 atoms' -- hapgrid dock huge.mol2 "$ligand" -o out -q
+seq 200000 | sed 's/.*/ATOM & CA ALA 1 0 0 0 0.1 1.9/' >huge.pqr
+refuses 'dock: huge.pqr: it has more than 20,000 atoms' -- timeout 60 hapgrid dock huge.pqr "$ligand" -o out -q
 refuses 'dock: box and ligand need maps of [0-9]+ cells .*' -- hapgrid dock "$host" "$ligand" -o out --size 40,4,4 -q
 refuses 'dock: the ligand overlaps with the host everywhere in the box: .*' -- \
   hapgrid dock "$host" "$ligand" -o inside --centre 0.17,-2.29,-1.97 --size 0.5,0.5,0.5 --spacing 0.5 --map-spacing 0.375 -q
