@@ -67,8 +67,8 @@ def _define(o, work, name):
     size = np.array(o.size) if o.size else np.minimum(high - low, LARGEST)
     counts = [max(int(np.floor(s / o.spacing + 1e-6)) + 1, 2) for s in size]
     if math.prod(counts) > MOST_POINTS:
-        raise Failed(f"the box has {math.prod(counts):,} points, at most {MOST_POINTS:,} are possible: make --size smaller or "
-                     "--spacing larger")
+        raise Failed(f"the box has {math.prod(counts):,} points, at most {MOST_POINTS:,} are possible: make --size "
+                     "smaller or --spacing larger")
     size = (np.array(counts) - 1) * o.spacing
     if own and not ((centre - size / 2 >= low - 1e-6) & (centre + size / 2 <= high + 1e-6)).all():
         raise Failed(f"the box is not inside the maps, which go from {_point(low)} to {_point(high)}")

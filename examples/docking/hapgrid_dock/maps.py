@@ -38,8 +38,8 @@ def pdbqt(work, given, name, most):
     _keep_first(work, given, f"{name}.pdbqt")
     found = atoms(work.read(f"{name}.pdbqt"), given)
     if not found:
-        raise Failed(f"{given}: no atoms are found in it: Open Babel may not know the kind of file, or Gasteiger's method has "
-                     "no charge for an element: give a .mol2 or .pdbqt with charges")
+        raise Failed(f"{given}: no atoms are found in it: Open Babel may not know the kind of file, or Gasteiger's "
+                     "method has no charge for an element: give a .mol2 or .pdbqt with charges")
     if len(found) > most:
         raise Failed(f"{given}: {len(found):,} atoms, at most {most:,} are possible")
     if all(charge == 0 for _, _, charge in found):

@@ -139,6 +139,7 @@ expect 2 '' '~dock: argument --size: must be three numbers from 0.5 to 60 .*' --
 # Of several poses, as vina writes them, the first is taken. A number below zero is a centre, not an option.
 sed 's/^ATOM.*  2  .*/REMARK/' small/ligand.pdbqt >other.pdbqt
 { echo 'MODEL 1'; cat small/ligand.pdbqt; printf 'ENDMDL\nMODEL 2\n'; cat other.pdbqt; echo ENDMDL; } >poses.pdbqt
-hapgrid dock "$host" poses.pdbqt -o poses --centre -0.1,0,3 --size 0.5,0.5,0.5 --map-spacing 0.375 --until definition 2>said
+hapgrid dock "$host" poses.pdbqt -o poses --centre -0.1,0,3 --size 0.5,0.5,0.5 --map-spacing 0.375 \
+  --until definition 2>said
 grep -q 'poses.pdbqt has several molecules or poses: the first is taken' said || fail "$(cat said)"
 cmp small/ligand.pdbqt poses/ligand.pdbqt
