@@ -14,9 +14,22 @@ namespace {
 constexpr double kLongestTurn = 0.1;    // rad of one step
 constexpr double kShortestTurn = 1e-9;  // rad: at rest
 constexpr int kMostSteps = 1000;
+constexpr double kAboveLowest = 5;  // kJ/mol
 
 double softened(double e, double above) {
   return e > above ? above * (1 + std::log(e / above)) : e;
+}
+
+/// An energy E above `above` becomes above (1 + ln(E / above)), with its derivatives.
+void soften(table::Spline::Value& v, double above) {
+  if (v.value <= above) return;
+  const double part = above / v.value, less = part / v.value;
+  auto& g = v.gradient;
+  const double outer[6] = {g[0] * g[0], g[1] * g[1], g[2] * g[2],
+                           g[0] * g[1], g[0] * g[2], g[1] * g[2]};
+  for (int k = 0; k < 6; ++k) v.hessian[k] = part * v.hessian[k] - less * outer[k];
+  for (double& slope : g) slope *= part;
+  v.value = softened(v.value, above);
 }
 
 /// w with (H + λ) w = -g by Cholesky's method, where H + λ is positive definite; false when it is
@@ -79,10 +92,11 @@ Poses::Poses(Ligand ligand, const std::vector<std::string>& names,
     std::vector<double> values = map_of(atom.type);
     const std::vector<double>&e = map_of("e"), &d = map_of("d");
     for (std::size_t i = 0; i < values.size(); ++i) {
-      values[i] =
-          softened(kJoule * (values[i] + atom.charge * e[i] + std::abs(atom.charge) * d[i]), soft_);
+      values[i] = kJoule * (values[i] + atom.charge * e[i] + std::abs(atom.charge) * d[i]);
       if (!std::isfinite(values[i])) throw std::runtime_error("maps: a value is missing");
     }
+    base_.push_back(*std::min_element(values.begin(), values.end()) - kAboveLowest);
+    for (double& value : values) value = std::log(value - base_.back());
     splines_.emplace_back(lattice_.counts, values);
   }
 }
@@ -115,14 +129,7 @@ table::Spline::Value Poses::among_atoms(std::size_t atom, const Vector& place) c
     h[4] += bend * r[0] * r[2];
     h[5] += bend * r[1] * r[2];
   }
-  if (v.value <= soft_) return v;
-  const double part = soft_ / v.value, less = part / v.value;
-  auto& g = v.gradient;
-  const double outer[6] = {g[0] * g[0], g[1] * g[1], g[2] * g[2],
-                           g[0] * g[1], g[0] * g[2], g[1] * g[2]};
-  for (int k = 0; k < 6; ++k) h[k] = part * h[k] - less * outer[k];
-  for (double& slope : g) slope *= part;
-  v.value = softened(v.value, soft_);
+  soften(v, soft_);
   return v;
 }
 
@@ -132,15 +139,19 @@ table::Spline::Value Poses::alone(std::size_t atom, const Vector& place, bool wi
   const table::Spline::Value v =
       splines_[kind_[atom]].at(lattice_.coordinates(place.data()), with_hessian);
   table::Spline::Value out;
-  out.value = v.value;
-  out.gradient = lattice_.gradient(v.gradient);
-  if (!with_hessian) return out;
+  const double above = std::exp(v.value);
+  out.value = base_[kind_[atom]] + above;
+  const Vector g = lattice_.gradient(v.gradient);
+  for (int c = 0; c < 3; ++c) out.gradient[c] = above * g[c];
   constexpr int kOf[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
-  for (int c = 0; c < 3; ++c)
-    for (int d = c; d < 3; ++d)
+  for (int c = 0; c < 3 && with_hessian; ++c)
+    for (int d = c; d < 3; ++d) {
+      double bend = g[c] * g[d];
       for (int a = 0; a < 3; ++a)
-        for (int b = 0; b < 3; ++b)
-          out.hessian[kOf[c][d]] += m[a][c] * v.hessian[kOf[a][b]] * m[b][d];
+        for (int b = 0; b < 3; ++b) bend += m[a][c] * v.hessian[kOf[a][b]] * m[b][d];
+      out.hessian[kOf[c][d]] = above * bend;
+    }
+  soften(out, soft_);
   return out;
 }
 
@@ -284,8 +295,10 @@ void Poses::relax(const double* x, double* s) const {
     for (std::size_t k = 0; k < turns; ++k)
       for (std::size_t l = 0; l <= k; ++l) scale += std::abs(at.bend[k][l]);
     std::array<double, kMost> w{};
+    // The first lambda is small: one that is much larger than the curvature of a flat ridge would
+    // make its steps so short that they do not leave it.
     while (!solve(at.bend, lambda, at.slope, turns, w) || length(w.data(), turns) > longest)
-      lambda = lambda == 0 ? 1e-3 * scale : 2 * lambda;
+      lambda = lambda == 0 ? 1e-9 * scale : 2 * lambda;
     const double way = length(w.data(), turns);
     if (way < kShortestTurn) return;
     std::array<double, 6 + kMostTorsions> next{};

@@ -13,11 +13,12 @@
 namespace hapgrid::docking {
 
 /// The energy of an atom is AutoDock 4's (Huey et al., J. Comput. Chem. 28, 1145, 2007). By maps,
-/// that of an atom of type t and charge q is map t + q map e + |q| map d, between whose points it
-/// is a tricubic spline. Without maps it is the sum over the host's atoms. Inside the host it grows
-/// to 1e5 kcal/mol and more, over which a spline would swing: an energy E above `soft` becomes soft
-/// (1 + ln(E / soft)). So does the sum over the atoms, to which the energies of the ligand's pairs
-/// belong when it has torsions.
+/// that of an atom of type t and charge q is map t + q map e + |q| map d. Inside the host it grows
+/// to 1e5 kcal/mol and more, over which a spline would swing. So its height above 5 kJ/mol below
+/// the lowest value is e to the power of a tricubic spline: the logarithm of a repulsion is a flat
+/// curve. Without maps the energy is the sum over the host's atoms. An energy E above `soft`
+/// becomes soft (1 + ln(E / soft)). So does the sum over the atoms, to which the energies of the
+/// ligand's pairs belong when it has torsions.
 class Poses {
  public:
   /// @param maps one for each name; `names` are the atoms' types, and e and d.
@@ -69,7 +70,8 @@ class Poses {
   std::vector<Atom> host_;                     // none where there are maps
   std::vector<std::vector<Pair>> host_pairs_;  // of each atom of the ligand with those of the host
   table::Lattice lattice_;                     // without values
-  std::vector<table::Spline> splines_;         // of each kind of atom
+  std::vector<table::Spline> splines_;         // of each kind of atom: ln(energy - base)
+  std::vector<double> base_;                   // of each kind of atom, kJ/mol
   std::vector<std::size_t> kind_;              // of each atom
   double soft_;
 };

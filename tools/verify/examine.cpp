@@ -64,8 +64,8 @@ Check prove_passive(const Grid& grid, const BranchMap& branches, const RecordFie
   if (forces.why_not.empty())
     return passive_not_proved("interpolated forces have no energy; --force energy can be proved");
   return passive_not_proved(
-      format("play interpolates the forces of the records, which have no energy, because {}; give "
-             "the model the energy of its force, and see check-model",
+      format("play interpolates the forces of the records, which have no energy, because {}; make "
+             "the grid finer, or give the model the energy of its force: see check-model",
              forces.why_not));
 }
 

@@ -2,6 +2,7 @@
 
 import argparse
 import os
+import re
 import sys
 
 from .files import Failed
@@ -17,18 +18,29 @@ class BreaksRule(Failed):
 
 
 class Parser(argparse.ArgumentParser):
+    def __init__(self, **given):
+        super().__init__(**given)
+        # A word such as -1,0,0 is a value, and no option. argparse knows this of single numbers only.
+        self._negative_number_matcher = re.compile(r"-\.?\d")
+
     def error(self, message):  # one line, as every other message
         raise UsageError(message + " (see --help)")
 
     def add_output(self, threads):
         """threads: what -j N is a number of."""
-        self.add_argument("-o", "--output", metavar="DIR", required=True, help="folder for all files")
+        self.add_argument("-o", "--output", type=folder, metavar="DIR", required=True, help="folder for all files")
         self.add_argument("-j", "--threads", type=number(1, 1024, int), metavar="N", default=1,
                           help=f"number of {threads}, which does not change the result (default: 1)")
 
     def add_until(self, *steps):
         self.add_argument("--until", choices=steps, help="step after which the command stops")
         self.add_argument("-q", "--quiet", action="store_true", help="print no progress on standard error")
+
+
+def folder(text):
+    if not text or os.path.exists(text) and not os.path.isdir(text):
+        raise argparse.ArgumentTypeError(f"'{text}' is no folder")
+    return text
 
 
 def formatter(prog):

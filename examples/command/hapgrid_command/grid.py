@@ -52,6 +52,8 @@ def verify(work, what, grid, threads, seconds=None):
     ran = work.run("verify", grid, "-v", "-j", threads, good=(FINE, BROKEN, NO_ACCURACY),
                    watch=lambda gone: work.waiting(what, gone, seconds))
     work.write("verify.txt", ran.out)
+    if ran.code == NO_ACCURACY:
+        work.say(f"  it is whole, but not all can be proved: see {work.path('verify.txt')}")
     return ran.code != BROKEN
 
 

@@ -46,12 +46,13 @@ examples:
 
 def three(low, high):
     def read(text):
-        words = text.split(",")
-        values = [float(word) for word in words]
+        try:
+            values = [float(word) for word in text.split(",")]
+        except ValueError:
+            values = []
         if len(values) != 3 or not all(low <= v <= high for v in values):
             raise argparse.ArgumentTypeError(f"must be three numbers from {low:g} to {high:g} with commas between")
         return values
-    read.__name__ = "three numbers"
     return read
 
 

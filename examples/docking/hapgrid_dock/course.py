@@ -1,6 +1,7 @@
 """The course of a host and a ligand from their files to the page."""
 
 import json
+import math
 import os
 
 import numpy as np
@@ -8,12 +9,14 @@ from hapgrid_command.files import Failed, digest, remove
 from hapgrid_table import page, readers
 from hapgrid_table.course import table_text
 from hapgrid_table.work import course
+from scipy.interpolate import CubicSpline
 
 from . import field, maps
 
 LARGEST = 10.0  # angstrom: the sides of a box that nobody asked for
 MAX_LEVELS = 254
 WALL = "wall.table"
+MOST_POINTS = 200_000  # of a grid: at each of them, deepest orientations are sought
 PART = 250  # points, whose deepest orientations are sought and kept at a time
 FORCE_SCALE = 0.02  # newtons for 1 kJ/(mol angstrom), unless this makes the largest force larger than
 LARGEST_FORCE = 2.7  # newtons: the search may find a little more, and a hand feels no more than 3
@@ -63,6 +66,9 @@ def _define(o, work, name):
     centre = np.array(o.centre) if o.centre else (low + high) / 2
     size = np.array(o.size) if o.size else np.minimum(high - low, LARGEST)
     counts = [max(int(np.floor(s / o.spacing + 1e-6)) + 1, 2) for s in size]
+    if math.prod(counts) > MOST_POINTS:
+        raise Failed(f"the box has {math.prod(counts):,} points, at most {MOST_POINTS:,} are possible: make --size "
+                     "smaller or --spacing larger")
     size = (np.array(counts) - 1) * o.spacing
     if own and not ((centre - size / 2 >= low - 1e-6) & (centre + size / 2 <= high + 1e-6)).all():
         raise Failed(f"the box is not inside the maps, which go from {_point(low)} to {_point(high)}")
@@ -99,7 +105,7 @@ wall = "{WALL}"       # the energy of the deepest pose at each point, with `soft
 {types}soft = 20                 # kJ/mol: energies E above it, of an atom and of all, become soft (1 + ln(E / soft))
 highest = 0               # kJ/mol: a pose that is higher turns over to the deepest one at the nearest point of the wall
 torsions = {o.torsions}              # so many of the ligand's bonds turn, those around which its own energy changes least
-substep = 0.1             # of the HIP between two minimisations, Å
+substep = {0.05 if o.torsions else 0.1:<16g}# of the HIP between two minimisations, Å
 tolerance = 0.1           # orientations whose atoms are no farther apart, RMS, are one; Å
 force_scale = {force_scale:<12.3g}# newtons on the device for 1 kJ/(mol Å)
 
@@ -152,21 +158,10 @@ def _wall(work, low, spacing, counts, threads):
     # A spline needs four points along each axis.
     values = np.pad(lowest.reshape(counts, order="F"), 1, mode="reflect", reflect_type="odd")
     work.write(WALL, table_text(readers.Table(values, low - spacing, spacing * np.eye(3))))
-    slopes = np.linalg.norm([_slopes(values, axis) for axis in range(3)], axis=0)[1:-1, 1:-1, 1:-1] / spacing
+    # By the spline of the plug-in, which is "not a knot" as well.
+    slopes = np.linalg.norm([CubicSpline(np.arange(n), values, axis=axis)(np.arange(n), 1) for axis, n in
+                             enumerate(values.shape)], axis=0)[1:-1, 1:-1, 1:-1] / spacing
     return max(*(one[-1] for one in found), FORCE_SCALE * slopes.max(where=lowest.reshape(counts, order="F") > 0, initial=0))
-
-
-def _slopes(values, axis):
-    """Of the spline (spline.hpp) at its points along an axis, by steps."""
-    f = np.moveaxis(values, axis, 0)
-    n = len(f)
-    matrix = 4 * np.eye(n) + np.eye(n, k=1) + np.eye(n, k=-1)
-    right = np.empty_like(f)
-    right[1:-1] = 3 * (f[2:] - f[:-2])
-    for end, way in ((0, 1), (n - 1, -1)):  # not a knot
-        matrix[end, [end, end + way]] = 1, 2
-        right[end] = way * (-2.5 * f[end] + 2 * f[end + way] + 0.5 * f[end + 2 * way])
-    return np.moveaxis(np.tensordot(np.linalg.inv(matrix), right, 1), 0, axis)
 
 
 def _records(work, grid):

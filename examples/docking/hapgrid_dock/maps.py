@@ -23,25 +23,39 @@ def pdbqt(work, given, name, most):
         text = file.read()
     if given.lower().endswith(".pdbqt"):
         work.write(f"{name}.pdbqt", text)
-    elif given.lower().endswith(".pqr"):
-        work.write(f"{name}.pdbqt", pqr.pdbqt(text, given))
     else:
         lines = text.splitlines()
         counted = sum(line.startswith(("ATOM", "HETATM")) for line in lines) or len(lines) - MOST_REMARKS
-        if counted > 4 * most:  # Open Babel would need minutes to say so; hydrogens of carbon go into their atoms
+        if counted > 4 * most:  # what follows would need minutes to say so; hydrogens of carbon go into their atoms
             raise Failed(f"{given}: it has more than {most:,} atoms")
+    if given.lower().endswith(".pqr"):
+        work.write(f"{name}.pdbqt", pqr.pdbqt(text, given))
+    elif not given.lower().endswith(".pdbqt"):
         charges = [] if given.lower().endswith(".mol2") else ["--partialcharge", "gasteiger"]
         rigid = ["-xr"] if name == "host" else []
         out = work.path(f"{name}.pdbqt")
         work.run(["obabel"], os.path.abspath(given), "-O", os.path.abspath(out), *rigid, *charges, package="openbabel")
+    _keep_first(work, given, f"{name}.pdbqt")
     found = atoms(work.read(f"{name}.pdbqt"), given)
     if not found:
-        raise Failed(f"{given}: Open Babel finds no atoms in it")
+        raise Failed(f"{given}: no atoms are found in it: Open Babel may not know the kind of file, or Gasteiger's "
+                     "method has no charge for an element: give a .mol2 or .pdbqt with charges")
     if len(found) > most:
         raise Failed(f"{given}: {len(found):,} atoms, at most {most:,} are possible")
     if all(charge == 0 for _, _, charge in found):
         raise Failed(f"{given}: no atom has a charge")
+    if len(found) > 1 and not np.ptp([place for _, place, _ in found], axis=0).any():
+        raise Failed(f"{given}: all atoms lie at one place: `obabel --gen3d` makes coordinates")
     return found
+
+
+def _keep_first(work, given, name):
+    """Of several molecules, or several poses of one, the first is taken."""
+    first, end, rest = work.read(name).partition("ENDMDL")
+    if end:
+        work.write(name, "".join(line for line in first.splitlines(keepends=True) if not line.startswith("MODEL")))
+    if "ATOM" in rest:
+        work.say(f"  {given} has several molecules or poses: the first is taken")
 
 
 def atoms(text, given):
@@ -52,8 +66,6 @@ def atoms(text, given):
             if line.startswith(("ATOM", "HETATM")):
                 place = np.array([float(line[c:c + 8]) for c in (30, 38, 46)])
                 found.append((line[77:79].strip(), place, float(line[70:76])))
-            elif line.startswith("ENDMDL"):
-                break
     except ValueError:
         raise Failed(f"{given}: an atom of the PDBQT has no place or charge") from None
     if any(not kind or not kind.isalnum() or not np.isfinite(place).all() for kind, place, _ in found):

@@ -18,6 +18,8 @@ def run(o):
     if not os.path.isfile(o.file):
         with open(o.file, "rb"):  # says why, where it is no file at all
             raise Failed(f"{o.file}: is no file")
+    if o.factor == 0:
+        raise Failed("--factor 0 leaves nothing to feel")
     return course("table", o, lambda work, name: _define(o, work, name), _page)
 
 
@@ -78,6 +80,8 @@ def box_of(table, spacing):
     corners = np.array([table.origin + np.array([i, j, k]) * size @ table.axes
                         for i in (0, 1) for j in (0, 1) for k in (0, 1)])
     low, high = corners.min(axis=0), corners.max(axis=0)
+    if spacing and spacing > (high - low).min() * (1 + 1e-6):
+        raise Failed(f"--spacing {spacing:g}: the table has only {(high - low).min():g} along an axis")
     straight = (np.abs(table.axes) > 1e-6 * steps[:, None]).sum() == 3
     h = spacing or float(steps.min())
 
@@ -94,8 +98,8 @@ def definition(o, work, name, table):
     wall, behind = wall_of(o, table)
     low, h, counts = box_of(table, o.spacing)
     energy, length = table.energy_unit, table.length_unit
-    work.say(f"  {' x '.join(map(str, table.values.shape))} values, {np.nanmin(table.values) * o.factor:.4g} at the "
-             f"{'lowest' if o.factor > 0 else 'highest'}; grid of {' x '.join(map(str, counts))} points, {h:g} "
+    work.say(f"  {' x '.join(map(str, table.values.shape))} values, {np.nanmin(table.values * o.factor):.4g} at the "
+             f"lowest; grid of {' x '.join(map(str, counts))} points, {h:g} "
              f"{length} apart".rstrip())
     if wall is not None:
         work.say(f"  {behind:,} values ({100 * behind / table.values.size:.1f} %) are higher or missing: a wall of "

@@ -11,16 +11,20 @@ from hapgrid_command import plots
 
 STYLE = """body { font: 16px/1.5 sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em; color: #222 }
 table { border-collapse: collapse } td, th { padding: 0.2em 0.8em; border-bottom: 1px solid #8c8c8c; text-align: left }
-img { max-width: 100% } iframe { width: 100%; height: 34em; border: 1px solid #8c8c8c } code { background: #eee }"""
+img { max-width: 100% } iframe { width: 100%; height: 34em; border: 1px solid #8c8c8c } code { background: #eee }
+pre { overflow-x: auto }"""
 
 
 class Values:
     """The energies at the points of the table, as the plug-in has them (field.hpp)."""
 
     def __init__(self, work, name):
-        definition = tomllib.loads(work.read(f"{name}.toml"))["model"]
-        parameters = definition["parameters"]
-        head, _, body = work.read(definition["files"]["table"]).partition("values\n")
+        definition = tomllib.loads(work.read(f"{name}.toml"))
+        grid, model = definition["grid"], definition["model"]
+        parameters = model["parameters"]
+        self.low = np.array(grid["origin"], float)  # the corners of the grid's box
+        self.high = self.low + grid["spacing"] * (np.array(grid["counts"]) - 1)
+        head, _, body = work.read(model["files"]["table"]).partition("values\n")
         rows = [line.split() for line in head.splitlines()]
         counts = next([int(n) for n in row[1:]] for row in rows if row[0] == "counts")
         self.origin = next(np.array(row[1:], float) for row in rows if row[0] == "origin")
@@ -51,7 +55,7 @@ class Values:
 
 def way(values):
     """(start, end): a line through the lowest point along an axis or a diagonal of the table, that which climbs
-    least; it ends at the table's edge."""
+    least. It ends at the edge of the table, or of the grid's box, which may be smaller."""
     lowest = np.array(values.lowest())
     last = np.array(values.energy.shape) - 1
 
@@ -64,14 +68,20 @@ def way(values):
         return max(values.energy[tuple(p)] for p in both)
     steps = [np.array(s) for s in itertools.product((-1, 0, 1), repeat=3) if s > (0, 0, 0)]
     best = min(steps, key=climbs)
-    return values.place(ray(-best)[-1]), values.place(ray(best)[-1])
+    start, end = values.place(ray(-best)[-1]), values.place(ray(best)[-1])
+    along = [a for a in range(3) if start[a] != end[a]]
+    parts = [sorted((bound[a] - start[a]) / (end[a] - start[a]) for bound in (values.low, values.high)) for a in along]
+    first, last = max(part[0] for part in parts), min(part[1] for part in parts)
+    # A little inside the box where it ends the way, since the numbers of a path are rounded.
+    first, last = first + 1e-6 if first > 0 else 0.0, last - 1e-6 if last < 1 else 1.0
+    return (start + first * (end - start), start + last * (end - start)) if first < last else (start, end)
 
 
 def way_text(ends, unit, ticks):
     """A path for play: there and back."""
     start, end = ends
     there = [start + (end - start) * k / ticks for k in range(ticks + 1)]
-    rows = [" ".join(f"{v:.8g}" for v in p) for p in there + there[-2::-1]]
+    rows = [" ".join(f"{v:.10g}" for v in p) for p in there + there[-2::-1]]
     return "\n".join([f"# x y z of the HIP{', ' + unit if unit else ''}, a line a tick: there and back",
                       *rows]) + "\n"
 
@@ -121,6 +131,7 @@ def write_frame(work, name, body):
     title, quoted = html.escape(name), urllib.parse.quote(name)
     work.write("index.html", f"""<!DOCTYPE html>
 <meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
 <title>{title}</title>
 <style>
 {STYLE}

@@ -15,6 +15,7 @@ from hapgrid_command.files import Failed
 BOHR = 0.529177210903  # angstrom, CODATA 2018
 MOST_VALUES = 16 << 20
 MOST_BYTES = 1 << 30
+MOST_LENGTH = 1e30
 CAPPED = 1e5  # kcal/mol: AutoGrid writes nothing higher, which is the inside of the receptor
 SYMBOLS = """X H He Li Be B C N O F Ne Na Mg Al Si P S Cl Ar K Ca Sc Ti V Cr Mn Fe Co Ni Cu Zn Ga Ge As Se Br Kr
 Rb Sr Y Zr Nb Mo Tc Ru Rh Pd Ag Cd In Sn Sb Te I Xe""".split()
@@ -73,8 +74,8 @@ def _inflated(data, wbits, most=MOST_BYTES):
 def _checked(table):
     if min(table.values.shape) < 4:
         raise Failed(f"{' x '.join(map(str, table.values.shape))} values: at least 4 are needed along each axis")
-    if not np.isfinite(table.origin).all() or not np.isfinite(table.axes).all():
-        raise Failed("its origin or spacing is not finite")
+    if not (np.abs([table.origin, *table.axes]) < MOST_LENGTH).all():
+        raise Failed(f"its origin or spacing is no number below {MOST_LENGTH:g}")
     size = np.prod(np.linalg.norm(table.axes, axis=1))
     if not abs(np.linalg.det(table.axes)) > 1e-6 * size:
         raise Failed("its axes lie in one plane")

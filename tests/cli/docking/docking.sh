@@ -6,13 +6,15 @@ needs autodock4 autodock
 needs autogrid4 autogrid
 needs obabel openbabel
 needs vina autodock-vina
-needs_python numpy python3-numpy
+needs_python scipy python3-scipy
 host=$HAPGRID_SOURCE/examples/docking/calix.mol2 ligand=$HAPGRID_SOURCE/examples/docking/formamide.mol2
 
 hapgrid dock "$host" "$ligand" -o usual --centre 0,0,3 --size 2,2,3 --map-spacing 0.375 --until definition -q
 /usr/bin/python3 "$here/energies.py" usual on
 hapgrid dock "$host" "$ligand" -o fine --centre 0,0,2.5 --size 0.5,0.5,0.5 --map-spacing 0.05 --until definition -q
 /usr/bin/python3 "$here/energies.py" fine between
+hapgrid dock "$host" "$ligand" -o coarse --centre 0,0,2.5 --size 0.5,0.5,0.5 --map-spacing 0.375 --until definition -q
+/usr/bin/python3 "$here/energies.py" coarse between fine
 
 # Above the cavity, where few orientations are minima.
 hapgrid dock "$host" "$ligand" -o small --centre 0,0,4 --size 1.6,1.6,1.6 --spacing 0.8 --map-spacing 0.375 -q >line
@@ -21,6 +23,10 @@ for made in index.html poses.tsv path.txt inside.png outside.png energy.png forc
   [[ -s small/$made ]] || fail "small/$made is not there"
 done
 check-model small/small.toml --steps 50 >report || fail "$(cat report)"
+
+# Records that are far apart do not tell the force between them, so that verify cannot prove all.
+hapgrid dock "$host" "$ligand" -o far --centre 0,0,2.5 --size 2,2,2 --spacing 2 --map-spacing 0.375 2>said >line
+grep -q 'not all can be proved: see far/verify.txt' said || fail "$(cat said)"
 
 # At the rim, where half of the points lie inside atoms.
 hapgrid dock "$host" "$ligand" -o rim --centre 0,1.2,2.6 --size 1.2,1.2,1.2 --spacing 0.4 --map-spacing 0.375 -q >line
@@ -108,7 +114,11 @@ refuses 'dock: word.pqr: no PQR: an atom has no place or charge' -- hapgrid dock
 
 refuses 'dock: gone.mol2: No such file or directory' -- hapgrid dock gone.mol2 "$ligand" -o out -q
 echo nothing >nothing.pdbqt
-refuses 'dock: nothing.pdbqt: Open Babel finds no atoms in it' -- hapgrid dock nothing.pdbqt "$ligand" -o out -q
+refuses 'dock: nothing.pdbqt: no atoms are found in it: .*' -- hapgrid dock nothing.pdbqt "$ligand" -o out -q
+obabel -:NC=O -O flat.mol2 >/dev/null 2>&1
+refuses 'dock: flat.mol2: all atoms lie at one place: .*' -- hapgrid dock "$host" flat.mol2 -o out -q
+refuses 'dock: the box has 1,030,301 points, at most 200,000 are possible: .*' -- \
+  hapgrid dock "$host" "$ligand" -o out --size 50,50,50 --atoms -q
 grep -v '^ATOM.*  [234]  ' small/ligand.pdbqt | sed '/^ATOM      5/d' >one.pdbqt
 refuses 'dock: one.pdbqt: one atom cannot turn: .*' -- hapgrid dock "$host" one.pdbqt -o out -q
 for ((n = 0; n < 201; ++n)); do grep '^ATOM      1' small/ligand.pdbqt; done >many.pdbqt
@@ -117,8 +127,19 @@ sed 's/ OA$/ Xx/' small/ligand.pdbqt >strange.pdbqt
 refuses 'dock: autogrid4: ERROR:  unknown ligand atom type Xx' -- hapgrid dock "$host" strange.pdbqt -o out -q
 { sed '/ATOM>/q' "$host"; seq 200000 | sed 's/$/ C 0 0 0 C.3 1 UNL1 0.1/'; } >huge.mol2
 refuses 'dock: huge.mol2: it has more than 20,000 atoms' -- hapgrid dock huge.mol2 "$ligand" -o out -q
+seq 200000 | sed 's/.*/ATOM & CA ALA 1 0 0 0 0.1 1.9/' >huge.pqr
+refuses 'dock: huge.pqr: it has more than 20,000 atoms' -- timeout 60 hapgrid dock huge.pqr "$ligand" -o out -q
 refuses 'dock: box and ligand need maps of [0-9]+ cells .*' -- hapgrid dock "$host" "$ligand" -o out --size 40,4,4 -q
 refuses 'dock: the ligand overlaps with the host everywhere in the box: .*' -- \
   hapgrid dock "$host" "$ligand" -o inside --centre 0.17,-2.29,-1.97 --size 0.5,0.5,0.5 --spacing 0.5 --map-spacing 0.375 -q
 [[ ! -e inside/inside.grid ]] || fail 'the search ran before the box was refused'
 expect 2 '' '~dock: argument --size: must be three numbers from 0.5 to 60 .*' -- hapgrid dock a b -o out --size 1,2
+expect 2 '' '~dock: argument --size: must be three numbers from 0.5 to 60 .*' -- hapgrid dock a b -o out --size 1,2,x
+
+# Of several poses, as vina writes them, the first is taken. A number below zero is a centre, not an option.
+sed 's/^ATOM.*  2  .*/REMARK/' small/ligand.pdbqt >other.pdbqt
+{ echo 'MODEL 1'; cat small/ligand.pdbqt; printf 'ENDMDL\nMODEL 2\n'; cat other.pdbqt; echo ENDMDL; } >poses.pdbqt
+hapgrid dock "$host" poses.pdbqt -o poses --centre -0.1,0,3 --size 0.5,0.5,0.5 --map-spacing 0.375 \
+  --until definition 2>said
+grep -q 'poses.pdbqt has several molecules or poses: the first is taken' said || fail "$(cat said)"
+cmp small/ligand.pdbqt poses/ligand.pdbqt

@@ -3,7 +3,7 @@
 on: 50 poses of a ligand whose atoms all lie on points of the maps, where the linear rule of autodock4 and vina and the
 splines of the plug-in must agree to the last digit that is printed.
 between: 50 random poses of DIR's ligand that no atom of the host repels. Between the points the linear rule is off by up
-to h^2/8 times the second derivative, so DIR needs fine maps.
+to h^2/8 times the second derivative, so autodock4 needs fine maps: DIR's or, where those are coarse, MAPS.
 atoms: the same for a host without maps, all of whose types are in WELLS, with MAPS for autodock4.
 within: 50 shapes of DIR's ligand, whose bonds turn: the energy between its own atoms.
 wall: of DIR's records none has a force above 3 N; at the points of the grid no orientation is deeper than the wall, and
@@ -297,7 +297,8 @@ def main():
     print(f"{where}: {min(ours):.2f} to {max(ours):.2f} kcal/mol, off from autodock4 by {100 * max(off):.3f} % at most")
     # Four decimals are printed of 0.8, and places have three; between the points, what the rules differ by.
     # The host for atoms has sharper walls: its hydrogens attract none of the ligand's oxygens.
-    most = {"on": 0.0005, "between": 0.01, "atoms": 0.015}[where]
+    # The splines of maps 0.375 angstrom apart follow walls that rise by 80 kJ/mol in an angstrom.
+    most = {"on": 0.0005, "between": 0.03 if there else 0.01, "atoms": 0.015}[where]
     assert max(off) < most, sorted(zip(off, ours, theirs))[-5:]
     for n in range(0, POSES, POSES // 3):
         said = vina(made, poses[n])

@@ -71,11 +71,17 @@ sed 's/^[0-9]*$/nan/' good.map >nothing.map
 bad nothing.map 'it has no value that is a number'
 sed '7,$s/.*/1/' good.map >same.map
 expect 1 '' '~.*the energy is the same everywhere' -- hapgrid table same.map -o same -q
+sed 's/SPACING.*/SPACING 1e300/' good.map >wide.map
+bad wide.map 'its origin or spacing is no number below 1e\+30'
 echo >x.txt
 bad x.txt 'only .map, .dx, .cube and .vti are known, and each with .gz behind it'
 bad gone.map 'No such file or directory'
 expect 1 '' 'table: good.map: no value is below the wall, -5: the lowest is 1' -- hapgrid table good.map -o out --wall -5 -q
 expect 1 '' 'table: good.vti: it has no array f at points, only e' -- hapgrid table good.vti -o out --array f -q
+expect 1 '' 'table: --spacing 3: the table has only 2 along an axis' -- hapgrid table good.map -o out --spacing 3 -q
+expect 1 '' 'table: --factor 0 leaves nothing to feel' -- hapgrid table good.map -o out --factor 0 -q
+expect 2 '' "table: argument -o/--output: 'good.map' is no folder (see --help)" -- hapgrid table good.map -o good.map
+expect 2 '' "table: argument -o/--output: '' is no folder (see --help)" -- hapgrid table good.map -o ''
 expect 2 '' 'table: argument --force: must be from 0.01 to 100 (see --help)' -- hapgrid table good.map -o out --force 0
 expect 2 '' 'table: the following arguments are required: -o/--output (see --help)' -- hapgrid table good.map
 expect 2 '' '~table: argument --unit: a unit has at most 15 bytes.*' -- hapgrid table good.map -o out --unit 'a"b'

@@ -84,6 +84,8 @@ try_all() {
   for made in index.html slices.png force.png energy.png played.html path.txt verify.txt; do
     [[ -s $dir/$made ]] || fail "$dir/$made is not there"
   done
+  play "$dir/$dir.grid" --device "path:$dir/path.txt" 2>said
+  grep -q 'ticks outside the box 0,' said || fail "$(cat said)"
   /usr/bin/python3 "$here/formats.py" compare "$file" "$dir"
 }
 try_all host.OA.map map --spacing 0.31

@@ -155,6 +155,27 @@ TEST_CASE("at rest neither the ligand nor its bonds can turn downhill") {
   check_rest(docking::Poses(with(chain(), {0, 1}), cage(), 10));
 }
 
+TEST_CASE("a ligand leaves a ridge that is flat beside a stiff valley") {
+  // Two atoms keep the ligand along x, with 500 kcal/mol for the square of an angstrom. Two others
+  // turn around x, with 1e-4 y^2 kcal/mol: from the ridge at y = 1 and -1 to the valley at y = 0.
+  std::vector<table::Lattice> maps(4, landscape(0));
+  for (std::size_t n = 0; n < maps[0].values.size(); ++n) {
+    const double y = static_cast<double>(n / 17 % 17) - 8, z = static_cast<double>(n / 289) - 8;
+    maps[0].values[n] = 500 * (y * y + z * z);
+    maps[1].values[n] = 1e-4 * y * y;
+    maps[2].values[n] = maps[3].values[n] = 0;
+  }
+  const docking::Poses poses(with(atom(1, "C", 1, 0, 0, 0) + atom(2, "C", -1, 0, 0, 0) +
+                                      atom(3, "N", 0, 1, 0, 0) + atom(4, "N", 0, -1, 0, 0),
+                                  {}),
+                             {"C", "N", "e", "d"}, maps, 1e9);
+  const double x[3] = {0, 0, 0}, turn[3] = {1e-3, 0, 0};
+  double s[6] = {1, 0, 0, 0, 1, 0};
+  orientation::turn(s, turn);
+  poses.relax(x, s);
+  CHECK(std::abs(s[5]) == Approx(1));
+}
+
 TEST_CASE("two atoms at one of the host have the energy of both pairs") {
   // AutoDock 4 in kcal/mol, for atoms without charge: a well of 12-6 at 4 angstrom, and what water
   // loses, beyond 4.25 angstrom with the distance less 0.25.
