@@ -28,6 +28,12 @@ class Point:
 
 
 @dataclass
+class Conformation(Point):
+    """bonds_at: the shape off which GFN-FF read its bonds, for the surface on which this is a minimum."""
+    bonds_at: np.ndarray
+
+
+@dataclass
 class Ends:
     """A saddle and the minima that it joins. sign: which way along its mode the near one lies."""
     saddle: Point
@@ -115,8 +121,8 @@ def restored(types, value, atoms):
 
 
 def _field(name, value, atoms, nodes):
-    shape = {"x": (atoms, 3), "hessian": (3 * atoms, 3 * atoms), "nodes": (nodes, atoms, 3), "energies": (nodes,),
-             "energy": (), "nu1": ()}.get(name)
+    shape = {"x": (atoms, 3), "bonds_at": (atoms, 3), "hessian": (3 * atoms, 3 * atoms), "nodes": (nodes, atoms, 3),
+             "energies": (nodes,), "energy": (), "nu1": ()}.get(name)
     if shape is not None:
         array = np.array(value)
         if array.shape != shape or array.dtype.kind not in "if" or not np.isfinite(array).all():

@@ -9,7 +9,7 @@ from hapgrid_command.programs import end_with_parent, raise_if_stopped
 
 from . import beyond, ensemble, geometry, optimise, path, rotors, torsions
 from .molecule import conformers
-from .results import Dropped, Ends, Point, Result, SAME_SHAPE, Way, plain, restored
+from .results import Conformation, Dropped, Ends, Point, Result, SAME_SHAPE, Way, plain, restored
 from .xtb import BOHR, HARTREE, XtbError
 
 SAME_ENERGY = 0.02  # kJ/mol
@@ -63,9 +63,9 @@ class Search:
         """Sets rest, its x and energy, and the surface. keep: relax the molecule's shape to the nearest minimum instead of
         looking for the lowest one."""
         shapes = [] if self.start.options.keep_conformation else [x for _, x in self.shapes]
-        one = self._take([Point], ["conformation", self.molecule.positions.tolist(), keep, plain(shapes)],
+        one = self._take([Conformation], ["conformation", self.molecule.positions.tolist(), keep, plain(shapes)],
                          lambda: self._conformation(keep, shapes))
-        self.x, self.surface = one.x, self.start.surface(one.x)
+        self.x, self.surface = one.x, self.start.surface(one.bonds_at)
         self.energy = self.surface.energy(self.x)
         self.rest = replace(one, energy=self.energy)
 
@@ -84,15 +84,17 @@ class Search:
             if self.start.options.solvent is None and max(charges) > 0 > min(charges):
                 reason += "; a zwitterion needs water: give --solvent water, or the neutral form"
             raise Failed(f"no conformation: none of the start structures relaxes: {reason}")
-        # GFN-FF must read its bonds off the conformation itself, not off the shape from which it
-        # was found: then one run of xtb on the conformation's file gives the same energy.
+        # GFN-FF must read its bonds off a shape like the conformation, not off the shape from which it was found: then
+        # one run of xtb on the conformation's file gives the same energy in most cases. Not in all: at an amine's nitrogen
+        # GFN-FF's terms depend on which of three bonds is the shortest, and that may change from each minimum to the next.
+        # So the surface on which this is a minimum remains that of the search.
         x = best[1]
         for _ in range(2):
-            surface = self.start.surface(x)
+            bonds_at, surface = x, self.start.surface(x)
             x = optimise.minimum(surface, x).x
         x = geometry.as_in_file(geometry.on_principal_axes(x, surface.masses))
         hessian = surface.hessian(x)
-        return optimise.point(surface, x, surface.energy(x), hessian)
+        return Conformation(**vars(optimise.point(surface, x, surface.energy(x), hessian)), bonds_at=bonds_at)
 
     def relax(self, start):
         """(x, energy, why it is left out) of a shape in angstrom."""
