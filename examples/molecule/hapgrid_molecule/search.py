@@ -9,11 +9,12 @@ from hapgrid_command.programs import end_with_parent, raise_if_stopped
 
 from . import beyond, ensemble, geometry, optimise, path, rotors, torsions
 from .molecule import conformers
-from .results import Conformation, Dropped, Ends, Point, Result, SAME_SHAPE, Way, plain, restored
+from .results import Conformation, Dropped, Ends, Path, Point, Result, SAME_SHAPE, plain, restored
 from .xtb import BOHR, HARTREE, XtbError
 
 SAME_ENERGY = 0.02  # kJ/mol
 CONFORMERS = 4  # of the lowest by the force field, which xtb relaxes
+AWAY = 0.15  # sqrt(amu) bohr: how far from a saddle the ways down from it begin, and their longest step, bohr
 
 _search = None  # of this process and of those that it starts
 
@@ -63,11 +64,9 @@ class Search:
         """Sets rest, its x and energy, and the surface. keep: relax the molecule's shape to the nearest minimum instead of
         looking for the lowest one."""
         shapes = [] if self.start.options.keep_conformation else [x for _, x in self.shapes]
-        one = self._take([Conformation], ["conformation", self.molecule.positions.tolist(), keep, plain(shapes)],
-                         lambda: self._conformation(keep, shapes))
-        self.x, self.surface = one.x, self.start.surface(one.bonds_at)
-        self.energy = self.surface.energy(self.x)
-        self.rest = replace(one, energy=self.energy)
+        self.rest = self._take([Conformation], ["conformation", self.molecule.positions.tolist(), keep, plain(shapes)],
+                               lambda: self._conformation(keep, shapes))
+        self.x, self.energy, self.surface = self.rest.x, self.rest.energy, self.start.surface(self.rest.bonds_at)
 
     def _conformation(self, keep, shapes):
         starts = shapes or ([self.molecule.positions] if keep else conformers(self.molecule, CONFORMERS))
@@ -139,26 +138,23 @@ class Search:
         key = [folder.version, one.numbers, self.start.words, one.charge, one.unpaired, *inputs]
         return folder.kept.take(key, lambda: plain(compute()), lambda value: restored(types, value, len(one.numbers)))
 
-    def saddle(self, job):
+    def turn(self, job):
         torsion, sign = self.jobs[job]
-        highest = self.start.options.highest / HARTREE
-        return self.kept(Ends, ["saddle", torsion.atoms, sign], lambda: self.ends(
-            self.climbed(*torsions.scan(self.surface, self.rest, torsion, sign, highest=highest)), self.x))
-
-    def path(self, job):
-        torsion, sign = self.jobs[job]
-        ends = self.saddle(job)
-        return self.kept(Way, ["path", torsion.atoms, sign], lambda: self._path(ends))
-
-    def beyond(self, job):
-        torsion, _ = self.jobs[job]
-        return self.kept(Way, ["beyond", torsion.atoms], lambda: beyond.whole(self, torsion))
+        return self.kept(Path, ["turn", torsion.atoms, sign],
+                         lambda: beyond.whole(self, torsion) if sign is None else self._to_barrier(torsion, sign))
 
     def minimum(self, shape):
         return self.kept(Point, ["minimum", shape.tolist()], lambda: ensemble.minimum(self, shape))
 
     def between(self, minimum):
-        return self.kept(Way, ["between", minimum.x.tolist()], lambda: ensemble.way(self, minimum))
+        return self.kept(Path, ["between", minimum.x.tolist()], lambda: ensemble.way(self, minimum))
+
+    # Saddles
+
+    def driven_over(self, minimum, torsion, sign):
+        """The Ends of the first saddle on the way of a torsion from a minimum, on whose side the near one is."""
+        left = self.start.options.highest / HARTREE - (minimum.energy - self.energy)
+        return self.ends(self.climbed(*torsions.scan(self.surface, minimum, torsion, sign, highest=left)), minimum.x)
 
     def climbed(self, guess, tangent):
         """The saddle near a guess. Errors: optimise.NoPath where that is none between two shapes of this molecule."""
@@ -174,21 +170,29 @@ class Search:
         """The Ends of a saddle, of which the near one is like shape a, and the far one like b, where that is given."""
         masses = self.surface.masses
         _, vectors = optimise.projected(saddle.hessian, saddle.x, masses)
-        mode = vectors[:, 0] / np.repeat(np.sqrt(masses), 3)
-        mode = 0.15 * mode / np.linalg.norm(mode)
-        one, two = (optimise.minimum(self.surface, saddle.x + sign * mode.reshape(-1, 3), saddle.hessian, longest=0.15)
-                    for sign in (1, -1))
-        out = min((Ends(saddle, 1, one, two), Ends(saddle, -1, two, one)), key=lambda ends: self.apart(ends.near.x, a) + (
-            0 if b is None else self.apart(ends.far.x, b)))
+        mode = (vectors[:, 0] / np.repeat(np.sqrt(masses), 3)).reshape(-1, 3)
+        sides = []
+        for sign in (AWAY, -AWAY):
+            passed = [saddle.x, saddle.x + sign * mode / np.linalg.norm(mode)]
+            sides.append((optimise.minimum(self.surface, passed[1], saddle.hessian, longest=AWAY, passed=passed), passed))
+        out = min((Ends(saddle, near, far, up[::-1], down) for (near, up), (far, down) in (sides, sides[::-1])),
+                  key=lambda ends: self.apart(ends.near.x, a) + (0 if b is None else self.apart(ends.far.x, b)))
         out.far.x = geometry.aligned(out.far.x, self.x, masses)
         return out
 
-    def _path(self, ends):
+    def _to_barrier(self, torsion, sign):
+        """The Path to the first barrier of a torsion; where its `why` says that it is none, without nodes between."""
+        ends = self.driven_over(self.rest, torsion, sign)
+        out = Path([self.x, ends.saddle.x], [self.energy, ends.saddle.energy], nu1=ends.saddle.nu1, near=ends.near, far=ends.far)
         turns = self.turns_back(ends.near)
         if turns is None:
             at, one, two = (f"{self.above(p.energy):.2f} kJ/mol" for p in (ends.saddle, ends.near, ends.far))
-            raise optimise.NoPath(f"the saddle at {at} joins other minima, at {one} and {two}")
-        return Way(*path.nodes(self.surface, ends.saddle, ends.sign, self.rest, near=ends.near if turns else None, turns=turns))
+            return replace(out, why=f"the saddle at {at} joins other minima, at {one} and {two}")
+        try:
+            out.nodes, out.energies = path.nodes(self.surface, ends.up, self.rest, turns=turns)
+        except optimise.NoPath as why:
+            out.why = str(why)
+        return out
 
     def turns_back(self, near):
         """[(methyl group, angle)] that make the conformation of the near side of a saddle, since such groups may turn freely;

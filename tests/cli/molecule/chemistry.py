@@ -10,7 +10,7 @@ from types import SimpleNamespace
 sys.path.insert(0, sys.argv[1])
 from hapgrid_molecule import geometry, optimise, reading, results, rotors, search, singles, torsions, xtb
 from hapgrid_molecule.molecule import relaxed
-from hapgrid_molecule.results import Dropped, Ends, Path, Point, Way
+from hapgrid_molecule.results import Conformation, Dropped, Path, Point
 from hapgrid_molecule.xtb import BOHR, HARTREE
 from hapgrid_command import programs
 import numpy as np
@@ -87,7 +87,7 @@ chain = np.array([[0, 1, -0.5], [0, 0, 0], [0, 0, 1.5], [0, 1.4, 2], [0.5, 1.5, 
 a, b = (torsions.Torsion(name, atoms, (), (1, -1), False) for name, atoms in (("a", (0, 1, 2, 3)), ("b", (1, 2, 3, 4))))
 turned = geometry.rotated_about(geometry.rotated_about(chain, 1, 2, [3, 4], deg(70)), 2, 3, [4], deg(20))
 for free, name in ((set(), "a-plus"), ({"a"}, "b-plus"), ({"a", "b"}, "b-plus")):
-    one = rotors.candidate([a, b], b, Way([chain, turned], [1.0]), free)
+    one = rotors.candidate([a, b], b, Path([chain, turned], [1.0]), free)
     names, _ = rotors.names([a, b], {"b-plus": one}, {"a-plus", "b-plus"}, True)
     assert names == {"b-plus": name}, (free, names)
 
@@ -188,23 +188,25 @@ assert result.nu1 is None and result.found[1].far is None and result.dropped == 
 
 # What was kept of a step counts only in the form that the step gives it. Here are two atoms and, on a way, four nodes.
 pair, bend = np.array([[0.0, 0, 0], [0.0, 0, 1.5]]), np.full((6, 6), 0.5)
-low, top = Point(pair, -1.5, bend, 30.5), Point(pair, -1.25, bend, -20.5)
-for one in (low, Ends(top, -1, low, low), Way([pair] * 4, [-1.5] * 4, 3, {1: "saddle", 3: "minimum"}, "the end"), Dropped("why")):
+low = Point(pair, -1.5, bend, 30.5)
+for one in (low, Conformation(**vars(low), bonds_at=pair), Path([pair] * 4, [-1.5] * 4, 3, {1: "saddle", 3: "minimum"}, "the end"),
+            Path([pair] * 2, [-1.5, -1.25], nu1=-20.5, near=low, far=low), Dropped("why")):
     kept = json.loads(json.dumps(results.plain(one)))
     again = results.restored([type(one)], kept, 2)
     assert type(again) is type(one) and results.plain(again) == kept, one
-    assert not isinstance(one, Way) or again.kinds == one.kinds and again.minima() == [3], again
+    assert not isinstance(one, Path) or again.kinds == one.kinds and again.minima() == [3] * one.goes_on, again
 
     def refused(value, atoms=2, types=(type(one),)):
         try:
             return results.restored(types, value, atoms) is None
-        except ValueError:
+        except (ValueError, TypeError):
             return True
     assert all(refused(other) for other in (None, [], "x", 7, {}, [kept], {**kept, "more": 1})), one
     assert isinstance(one, Dropped) or refused(kept, 3) and refused(kept, types=[Dropped]), one
     for name in kept:
-        wrong = [None, {}, 10**400, float("nan"), [[1]], [[1], [1, 2]], ["x"], [[9, "saddle"]], [[0, "hill"]], {"why": "x"}]
-        wrong += [] if name == "why" else ["x"]
+        wrong = [{}, 10**400, float("nan"), [[1]], [[1], [1, 2]], ["x"], [[9, "saddle"]], [[0, "hill"]], {"why": "x"}]
+        wrong += [] if name in ("why", "name") else ["x"]
+        wrong += [] if isinstance(one, Path) and name in ("nu1", "near", "far") else [None]
         for value in wrong:
             assert refused({**kept, name: value}), (one, name, value)
 
