@@ -42,8 +42,9 @@ def drive(search, torsion, sign, apart=None, known=()):
     return way, apart
 
 
-def whole(search, torsion):
+def whole(search, job):
     """The Path of a torsion, both directions as one. Errors: optimise.NoPath, where no minimum is behind a saddle."""
+    torsion, _ = search.jobs[job]
     plus, apart = drive(search, torsion, 1)
     if plus.why == BACK:
         plus, minus = _cut(search, plus)

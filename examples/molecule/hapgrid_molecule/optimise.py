@@ -46,8 +46,9 @@ def wave_numbers(hessian, x, masses):
     return np.sign(values) * np.sqrt(np.abs(values)) * WAVE_NUMBER
 
 
-def point(surface, x, energy, hessian):
-    return Point(x, energy, hessian, float(wave_numbers(hessian, x, surface.masses)[0]))
+def point(surface, x):
+    hessian = surface.hessian(x)
+    return Point(x, surface.energy(x), hessian, float(wave_numbers(hessian, x, surface.masses)[0]))
 
 
 def _bfgs(hessian, s, y):
@@ -138,14 +139,14 @@ def minimum(surface, x, hessian=None, longest=0.3, passed=None):
     where they start."""
     hessian = surface.hessian(x) if hessian is None else hessian
     for tolerance in (1e-4, FINE, FINE, FINE):
-        x, energy, _ = search(surface, x, hessian, tolerance=tolerance, steps=400, longest=longest, renew=surface.hessian,
-                              every=3 * surface.renewal, tree=surface.tree, passed=passed)
-        hessian = surface.hessian(x)
-        values, vectors = projected(hessian, x)
-        if values[0] <= 0:  # a saddle, kept by symmetry: leave it along the mode that falls
-            x = x + 0.1 * vectors[:, 0].reshape(-1, 3)
+        x, *_ = search(surface, x, hessian, tolerance=tolerance, steps=400, longest=longest, renew=surface.hessian,
+                       every=3 * surface.renewal, tree=surface.tree, passed=passed)
+        one = point(surface, x)
+        hessian = one.hessian
+        if one.nu1 <= 0:  # a saddle, kept by symmetry: leave it along the mode that falls
+            x = x + 0.1 * projected(hessian, x)[1][:, 0].reshape(-1, 3)
         elif tolerance == FINE:
-            return point(surface, x, energy, hessian)
+            return one
     raise NotConverged("not converged: no minimum near a point of symmetry")
 
 
@@ -158,7 +159,7 @@ def saddle(surface, x, direction):
     how = dict(climb=direction, tolerance=FINE, renew=surface.hessian, tree=surface.tree)
     first = surface.hessian(x)
     try:
-        x, energy, _ = search(surface, x, first, steps=150, longest=0.5, every=surface.renewal, **how)
+        x, *_ = search(surface, x, first, steps=150, longest=0.5, every=surface.renewal, **how)
     except NotConverged:
-        x, energy, _ = search(surface, x, first, steps=80, longest=0.1, every=surface.renewal // 3, **how)
-    return point(surface, x, energy, surface.hessian(x))
+        x, *_ = search(surface, x, first, steps=80, longest=0.1, every=surface.renewal // 3, **how)
+    return point(surface, x)

@@ -28,12 +28,6 @@ class Point:
 
 
 @dataclass
-class Conformation(Point):
-    """bonds_at: the shape off which GFN-FF read its bonds, for the surface on which this is a minimum."""
-    bonds_at: np.ndarray
-
-
-@dataclass
 class Ends:
     """A saddle and the minima that it joins. up: shapes from the near one to the saddle; down: from there to the far one."""
     saddle: Point
@@ -115,7 +109,7 @@ def restored(types, value, atoms):
 
 def _field(of, value, atoms, nodes):
     nodes = len(nodes or ())
-    shape = {"x": (atoms, 3), "bonds_at": (atoms, 3), "hessian": (3 * atoms, 3 * atoms), "nodes": (nodes, atoms, 3),
+    shape = {"x": (atoms, 3), "hessian": (3 * atoms, 3 * atoms), "nodes": (nodes, atoms, 3),
              "energies": (nodes,), "energy": (), "nu1": ()}.get(of.name)
     if shape is not None:
         array = np.array(value)

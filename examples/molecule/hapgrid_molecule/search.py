@@ -7,9 +7,9 @@ import numpy as np
 from hapgrid_command.files import Failed
 from hapgrid_command.programs import end_with_parent, raise_if_stopped
 
-from . import beyond, ensemble, geometry, optimise, path, rotors, torsions
+from . import geometry, optimise, path, rotors, torsions
 from .molecule import conformers
-from .results import Conformation, Dropped, Ends, Path, Point, Result, SAME_SHAPE, plain, restored
+from .results import Dropped, Ends, Path, Point, Result, SAME_SHAPE, plain, restored
 from .xtb import BOHR, HARTREE, XtbError
 
 SAME_ENERGY = 0.02  # kJ/mol
@@ -20,8 +20,16 @@ _search = None  # of this process and of those that it starts
 
 
 def _ask(question):
-    method, value = question
-    return method(_search, value)
+    method, kind, value = question
+
+    def compute():
+        try:
+            return method(_search, value)
+        except (optimise.NoPath, XtbError) as why:
+            return Dropped(str(why), isinstance(why, optimise.TurnsFreely))
+    if kind is None:
+        return compute()
+    return _search.kept([kind, Dropped], [method.__name__, plain(value), _search.x.tolist(), _search.start.options.highest], compute)
 
 
 class Search:
@@ -38,8 +46,9 @@ class Search:
     def say(self, text):
         self.start.folder.say("  " + text)
 
-    def each(self, what, method, values):
-        """(value, method(self, value)) in the order of the values, computed by several processes."""
+    def each(self, what, method, values, kind=None):
+        """(value, method(self, value) or a Dropped) in the order of the values, computed by several processes. kind: of the
+        results, where they are kept for these values and this conformation."""
         global _search
         _search, values = self, list(values)
         if not values:
@@ -48,7 +57,7 @@ class Search:
         threads = min(self.start.options.threads, len(values))
         with multiprocessing.get_context("fork").Pool(threads, end_with_parent) as pool:
             raise_if_stopped()
-            for done, result in enumerate(pool.imap(_ask, [(method, value) for value in values]), 1):
+            for done, result in enumerate(pool.imap(_ask, [(method, kind, value) for value in values]), 1):
                 tell(done)
                 yield values[done - 1], result
 
@@ -58,52 +67,57 @@ class Search:
         return Result(self.molecule.numbers, self.surface.masses, self.start.words, self.driven, self.x, self.energy,
                       self.rest.nu1, found, [(name, why) for name, why in dropped if name not in have])
 
+    def kept(self, types, inputs, compute):
+        """The result of compute(), of one of these types, which is computed once. inputs: the step's name, and what it
+        depends on besides the molecule."""
+        one, folder = self.molecule, self.start.folder
+        key = [folder.version, one.numbers, self.start.words, one.charge, one.unpaired, *inputs]
+        return folder.kept.take(key, lambda: plain(compute()), lambda value: restored(types, value, len(one.numbers)))
+
     # The conformation
 
     def find_conformation(self, keep):
         """Sets rest, its x and energy, and the surface. keep: relax the molecule's shape to the nearest minimum instead of
         looking for the lowest one."""
         shapes = [] if self.start.options.keep_conformation else [x for _, x in self.shapes]
-        self.rest = self._take([Conformation], ["conformation", self.molecule.positions.tolist(), keep, plain(shapes)],
-                               lambda: self._conformation(keep, shapes))
-        self.x, self.energy, self.surface = self.rest.x, self.rest.energy, self.start.surface(self.rest.bonds_at)
+        near = self.kept([Point], ["conformer", self.molecule.positions.tolist(), keep, plain(shapes)],
+                          lambda: self._conformer(keep, shapes))
+        # GFN-FF must read its bonds off a shape like the conformation, not off the shape from which it was found: then
+        # one run of xtb on the conformation's file gives the same energy in most cases. Not in all: at an amine's nitrogen
+        # GFN-FF's terms depend on which of three bonds is the shortest, and that may change from each minimum to the next.
+        # So the surface on which this is a minimum remains that of the search.
+        self.surface = self.start.surface(near.x)
+        self.rest = self.kept([Point], ["conformation", near.x.tolist()], lambda: optimise.point(
+            self.surface, geometry.as_in_file(geometry.on_principal_axes(
+                optimise.minimum(self.surface, near.x).x, self.surface.masses))))
+        self.x, self.energy = self.rest.x, self.rest.energy
 
-    def _conformation(self, keep, shapes):
+    def _conformer(self, keep, shapes):
+        """A minimum on its own surface."""
         starts = shapes or ([self.molecule.positions] if keep else conformers(self.molecule, CONFORMERS))
         best, reason = None, ""
         tie = SAME_ENERGY / HARTREE if shapes else 0.0  # of equal minima of an ensemble the first is taken
-        for n, (_, (x, energy, why)) in enumerate(self.each("relaxing conformers", Search.relax, starts), 1):
-            if why:
-                reason = why
-                self.say(f"conformer {n}: left out: {why}")
-            elif best is None or energy < best[0] - tie:
-                best = energy, x
+        for n, (_, one) in enumerate(self.each("relaxing conformers", Search.relax, starts), 1):
+            if isinstance(one, Dropped):
+                reason = one.why
+                self.say(f"conformer {n}: left out: {reason}")
+            elif best is None or one[0] < best[0] - tie:
+                best = one
         if best is None:
             charges = [atom.GetFormalCharge() for atom in self.molecule.rd.GetAtoms()]
             if self.start.options.solvent is None and max(charges) > 0 > min(charges):
                 reason += "; a zwitterion needs water: give --solvent water, or the neutral form"
             raise Failed(f"no conformation: none of the start structures relaxes: {reason}")
-        # GFN-FF must read its bonds off a shape like the conformation, not off the shape from which it was found: then
-        # one run of xtb on the conformation's file gives the same energy in most cases. Not in all: at an amine's nitrogen
-        # GFN-FF's terms depend on which of three bonds is the shortest, and that may change from each minimum to the next.
-        # So the surface on which this is a minimum remains that of the search.
-        x = best[1]
-        for _ in range(2):
-            bonds_at, surface = x, self.start.surface(x)
-            x = optimise.minimum(surface, x).x
-        x = geometry.as_in_file(geometry.on_principal_axes(x, surface.masses))
-        hessian = surface.hessian(x)
-        return Conformation(**vars(optimise.point(surface, x, surface.energy(x), hessian)), bonds_at=bonds_at)
+        return optimise.minimum(self.start.surface(best[1]), best[1])
 
     def relax(self, start):
-        """(x, energy, why it is left out) of a shape in angstrom."""
-        try:
-            surface = self.start.surface(start / BOHR)
-            x, energy, _ = optimise.search(surface, start / BOHR, surface.hessian(start / BOHR), tolerance=1e-4, steps=400,
-                                           renew=surface.hessian, every=50, tree=surface.tree)
-        except (optimise.NotConverged, XtbError) as why:
-            return None, None, str(why)
-        return x, energy, "" if self.intact(x) else "its bonds change"
+        """(energy, x) of a shape in angstrom, on its own surface. Errors: optimise.NoPath"""
+        surface, x = self.start.surface(start / BOHR), start / BOHR
+        x, energy, _ = optimise.search(surface, x, surface.hessian(x), tolerance=1e-4, steps=400, renew=surface.hessian,
+                                       every=50, tree=surface.tree)
+        if not self.intact(x):
+            raise optimise.NoPath("its bonds change")
+        return energy, x
 
     # Shapes
 
@@ -120,34 +134,6 @@ class Search:
 
     def same(self, x, y):
         return self.apart(x, y) < SAME_SHAPE
-
-    # Steps that are kept
-
-    def kept(self, kind, inputs, compute):
-        """The result of compute(), of this type, or a Dropped; it is computed once. inputs: the step's name, and what it
-        depends on besides the conformation."""
-        def guarded():
-            try:
-                return compute()
-            except (optimise.NoPath, XtbError) as why:
-                return Dropped(str(why), isinstance(why, optimise.TurnsFreely))
-        return self._take([kind, Dropped], [self.x.tolist(), self.start.options.highest, *inputs], guarded)
-
-    def _take(self, types, inputs, compute):
-        one, folder = self.molecule, self.start.folder
-        key = [folder.version, one.numbers, self.start.words, one.charge, one.unpaired, *inputs]
-        return folder.kept.take(key, lambda: plain(compute()), lambda value: restored(types, value, len(one.numbers)))
-
-    def turn(self, job):
-        torsion, sign = self.jobs[job]
-        return self.kept(Path, ["turn", torsion.atoms, sign],
-                         lambda: beyond.whole(self, torsion) if sign is None else self._to_barrier(torsion, sign))
-
-    def minimum(self, shape):
-        return self.kept(Point, ["minimum", shape.tolist()], lambda: ensemble.minimum(self, shape))
-
-    def between(self, minimum):
-        return self.kept(Path, ["between", minimum.x.tolist()], lambda: ensemble.way(self, minimum))
 
     # Saddles
 
@@ -180,8 +166,9 @@ class Search:
         out.far.x = geometry.aligned(out.far.x, self.x, masses)
         return out
 
-    def _to_barrier(self, torsion, sign):
+    def to_barrier(self, job):
         """The Path to the first barrier of a torsion; where its `why` says that it is none, without nodes between."""
+        torsion, sign = self.jobs[job]
         ends = self.driven_over(self.rest, torsion, sign)
         out = Path([self.x, ends.saddle.x], [self.energy, ends.saddle.energy], nu1=ends.saddle.nu1, near=ends.near, far=ends.far)
         turns = self.turns_back(ends.near)

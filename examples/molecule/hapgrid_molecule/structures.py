@@ -6,8 +6,8 @@ not depend on the number of processes.
 
 from dataclasses import replace
 
-from . import rotors, torsions
-from .results import Dropped
+from . import beyond, ensemble, rotors, torsions
+from .results import Dropped, Path, Point
 from .search import Search
 from .xtb import BOHR
 
@@ -18,7 +18,8 @@ LOWER = 0.5  # kJ/mol: a minimum that is lower by this is another one
 def explore(start, shapes):
     """The Result of a molecule. shapes: of an ensemble, as Search has them."""
     o, keep = start.options, not start.search
-    what = "following torsions from minimum to minimum" if o.basins else "driving torsions to their barriers"
+    what, method = ("following torsions from minimum to minimum", beyond.whole) if o.basins else (
+        "driving torsions to their barriers", Search.to_barrier)
     for left in reversed(range(1 if o.keep_conformation else RESTARTS + 1)):
         search, found = Search(start, shapes), {}
         search.find_conformation(keep)
@@ -26,7 +27,7 @@ def explore(start, shapes):
         minima = _minima(search) if shapes else []
         if minima:
             return _ensemble(search, minima)
-        for job, one in search.each(what, Search.turn, search.jobs):
+        for job, one in search.each(what, method, search.jobs, Path):
             found[job] = one
             if isinstance(one, Dropped):
                 search.say(f"{job}: {one.why}")
@@ -84,7 +85,7 @@ def _turned(search, found):
 def _minima(search):
     """[(frame, minimum)] of the ensemble that are not the conformation, each once."""
     out, say = [], search.say
-    each = search.each("relaxing the ensemble", Search.minimum, [x for _, x in search.shapes])
+    each = search.each("relaxing the ensemble", ensemble.minimum, [x for _, x in search.shapes], Point)
     for (frame, _), (_, one) in zip(search.shapes, each):
         if isinstance(one, Dropped):
             say(f"frame {frame}: {one.why}")
@@ -99,7 +100,7 @@ def _minima(search):
 def _ensemble(search, minima):
     """The Result of paths to these minima. A path that turns one bond alone, and no ring, has its name."""
     found, dropped, say = [], [], search.say
-    ways = search.each("looking for paths between the minima", Search.between, [one for _, one in minima])
+    ways = search.each("looking for paths between the minima", ensemble.way, [one for _, one in minima], Path)
     for (frame, one), (_, way) in zip(minima, list(ways)):
         name = f"to-{frame}"
         passed = next((f.name for f in found for k in f.minima() if search.same(f.nodes[k], one.x)), None)

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 sys.path.insert(0, sys.argv[1])
 from hapgrid_molecule import geometry, optimise, reading, results, rotors, search, singles, torsions, xtb
 from hapgrid_molecule.molecule import relaxed
-from hapgrid_molecule.results import Conformation, Dropped, Path, Point
+from hapgrid_molecule.results import Dropped, Path, Point
 from hapgrid_molecule.xtb import BOHR, HARTREE
 from hapgrid_command import programs
 import numpy as np
@@ -189,7 +189,7 @@ assert result.nu1 is None and result.found[1].far is None and result.dropped == 
 # What was kept of a step counts only in the form that the step gives it. Here are two atoms and, on a way, four nodes.
 pair, bend = np.array([[0.0, 0, 0], [0.0, 0, 1.5]]), np.full((6, 6), 0.5)
 low = Point(pair, -1.5, bend, 30.5)
-for one in (low, Conformation(**vars(low), bonds_at=pair), Path([pair] * 4, [-1.5] * 4, 3, {1: "saddle", 3: "minimum"}, "the end"),
+for one in (low, Path([pair] * 4, [-1.5] * 4, 3, {1: "saddle", 3: "minimum"}, "the end"),
             Path([pair] * 2, [-1.5, -1.25], nu1=-20.5, near=low, far=low), Dropped("why")):
     kept = json.loads(json.dumps(results.plain(one)))
     again = results.restored([type(one)], kept, 2)
