@@ -33,7 +33,9 @@ def drive(search, torsion, sign, apart=None, known=()):
         closed = search.same(at.x, search.x)
         if not closed and any(search.same(at.x, y) for y in [*(way.nodes[k] for k in way.minima()), *known]):
             # Up to the saddle, but without it.
-            return Path(way.nodes + up[0][1:-1], way.energies + up[1][1:-1], 0, way.kinds, "a minimum that it has already"), apart
+            way.nodes += up[0][1:-1]
+            way.energies += up[1][1:-1]
+            return replace(way, why="a minimum that it has already"), apart
         way.add(*up, "saddle")
         way.add(*down, "minimum")
         if closed:

@@ -80,7 +80,8 @@ def _missed(start, x, toml, minima):
         energy = (by.energy(shape(start.folder, toml, one["t"]) / BOHR) - rest) * HARTREE
         if abs(energy - one["energy_kJ_mol"]) > MISSED:
             at = ",".join(f"{v:.9g}" for v in one["t"])
-            return f"the minima at t = {at} together are {energy:.1f} kJ/mol by {method}, {one['energy_kJ_mol']:.1f} by the sum"
+            return (f"the minima at t = {at} together are {energy:.1f} kJ/mol by {method}, "
+                    f"{one['energy_kJ_mol']:.1f} by the sum")
     return ""
 
 

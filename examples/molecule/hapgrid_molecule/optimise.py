@@ -2,7 +2,7 @@
 
 Curvatures of a peptide's energy differ by five orders of magnitude between a bond and a soft
 torsion, so steps are taken along the eigenvectors of a Hessian, never along the gradient. The
-search for a saddle is the same, but it climbs along one eigenvector (P-RFO, Banerjee et al. 1985).
+search for a saddle is the same, but it climbs along one eigenvector (Cerjan and Miller 1981).
 """
 
 import numpy as np
@@ -69,7 +69,7 @@ def _bofill(hessian, s, y):
     return hessian + rs / (rr * ss) * np.outer(r, r) + (1 - phi) * powell
 
 
-def _step(values, f, climbed, trust):
+def step_within(values, f, climbed, trust):
     """Components of the step to the lowest point of a quadratic surface, within a trust radius; along a mode that is climbed
     to the highest one. values, f: curvatures and slopes along the modes."""
     values, f = values.copy(), f.copy()
@@ -108,7 +108,7 @@ def search(function, x, hessian, *, climb=None, tolerance=1e-5, steps=300, longe
             # that fall are taken, or the softest where none falls.
             chosen = int(np.argmax(np.abs(vectors[:, :int((values < 0).sum()) or 8].T @ mode)))
             mode = vectors[:, chosen]
-        step = _step(values, f, chosen, trust)
+        step = step_within(values, f, chosen, trust)
         length = np.linalg.norm(step)
         expected = f @ step + step @ (values * step) / 2
         s = (vectors @ step).reshape(-1, 3)

@@ -1,5 +1,7 @@
-"""The path between a minimum and a saddle, and eleven nodes along it. It is the way by which the minimum was found from the
-saddle (optimise.minimum): short quasi-Newton steps, on which stiff modes are at rest, so that it lies on the floor of the valley.
+"""The path between a minimum and a saddle, and eleven nodes along it. It is the way by which the minimum was found from
+the saddle (optimise.minimum): short quasi-Newton steps, on which stiff modes are at rest, so that it lies close to the
+floor of the valley. Alternative: the intrinsic reaction coordinate, the line of steepest descent. It needs a descent of its
+own, and its nodes have about the same energies: those of butane's paths differ by at most 0.9 kJ/mol.
 """
 
 import itertools

@@ -29,7 +29,8 @@ class Point:
 
 @dataclass
 class Ends:
-    """A saddle and the minima that it joins. up: shapes from the near one to the saddle; down: from there to the far one."""
+    """A saddle and the minima that it joins. up: shapes from the near one to the saddle; down: from there to the far
+    one."""
     saddle: Point
     near: Point
     far: Point
@@ -103,12 +104,12 @@ def restored(types, value, atoms):
     kind = next((one for one in types if isinstance(value, dict) and {f.name for f in fields(one)} == set(value)), None)
     if kind is None:
         raise ValueError("of another type")
-    return kind(**{f.name: None if value[f.name] is f.default is None else _field(f, value[f.name], atoms, value.get("nodes"))
+    nodes = len(value.get("nodes") or ())
+    return kind(**{f.name: None if value[f.name] is f.default is None else _field(f, value[f.name], atoms, nodes)
                    for f in fields(kind)})
 
 
 def _field(of, value, atoms, nodes):
-    nodes = len(nodes or ())
     shape = {"x": (atoms, 3), "hessian": (3 * atoms, 3 * atoms), "nodes": (nodes, atoms, 3),
              "energies": (nodes,), "energy": (), "nu1": ()}.get(of.name)
     if shape is not None:

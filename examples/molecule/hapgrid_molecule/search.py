@@ -14,7 +14,7 @@ from .xtb import BOHR, HARTREE, XtbError
 
 SAME_ENERGY = 0.02  # kJ/mol
 CONFORMERS = 4  # of the lowest by the force field, which xtb relaxes
-AWAY = 0.15  # sqrt(amu) bohr: how far from a saddle the ways down from it begin, and their longest step, bohr
+AWAY = 0.15  # bohr: how far from a saddle the ways down from it begin, and their longest step
 
 _search = None  # of this process and of those that it starts
 
@@ -29,7 +29,8 @@ def _ask(question):
             return Dropped(str(why), isinstance(why, optimise.TurnsFreely))
     if kind is None:
         return compute()
-    return _search.kept([kind, Dropped], [method.__name__, plain(value), _search.x.tolist(), _search.start.options.highest], compute)
+    inputs = [method.__name__, plain(value), _search.x.tolist(), _search.start.options.highest]
+    return _search.kept([kind, Dropped], inputs, compute)
 
 
 class Search:
@@ -87,10 +88,12 @@ class Search:
         # GFN-FF's terms depend on which of three bonds is the shortest, and that may change from each minimum to the next.
         # So the surface on which this is a minimum remains that of the search.
         self.surface = self.start.surface(near.x)
-        self.rest = self.kept([Point], ["conformation", near.x.tolist()], lambda: optimise.point(
-            self.surface, geometry.as_in_file(geometry.on_principal_axes(
-                optimise.minimum(self.surface, near.x).x, self.surface.masses))))
+        self.rest = self.kept([Point], ["conformation", near.x.tolist()], lambda: self._conformation(near.x))
         self.x, self.energy = self.rest.x, self.rest.energy
+
+    def _conformation(self, x):
+        x = geometry.on_principal_axes(optimise.minimum(self.surface, x).x, self.surface.masses)
+        return optimise.point(self.surface, geometry.as_in_file(x))
 
     def _conformer(self, keep, shapes):
         """A minimum on its own surface."""
@@ -160,7 +163,8 @@ class Search:
         sides = []
         for sign in (AWAY, -AWAY):
             passed = [saddle.x, saddle.x + sign * mode / np.linalg.norm(mode)]
-            sides.append((optimise.minimum(self.surface, passed[1], saddle.hessian, longest=AWAY, passed=passed), passed))
+            one = optimise.minimum(self.surface, passed[1], saddle.hessian, longest=AWAY, passed=passed)
+            sides.append((one, passed))
         out = min((Ends(saddle, near, far, up[::-1], down) for (near, up), (far, down) in (sides, sides[::-1])),
                   key=lambda ends: self.apart(ends.near.x, a) + (0 if b is None else self.apart(ends.far.x, b)))
         out.far.x = geometry.aligned(out.far.x, self.x, masses)
@@ -170,7 +174,8 @@ class Search:
         """The Path to the first barrier of a torsion; where its `why` says that it is none, without nodes between."""
         torsion, sign = self.jobs[job]
         ends = self.driven_over(self.rest, torsion, sign)
-        out = Path([self.x, ends.saddle.x], [self.energy, ends.saddle.energy], nu1=ends.saddle.nu1, near=ends.near, far=ends.far)
+        out = Path([self.x, ends.saddle.x], [self.energy, ends.saddle.energy], nu1=ends.saddle.nu1, near=ends.near,
+                   far=ends.far)
         turns = self.turns_back(ends.near)
         if turns is None:
             at, one, two = (f"{self.above(p.energy):.2f} kJ/mol" for p in (ends.saddle, ends.near, ends.far))

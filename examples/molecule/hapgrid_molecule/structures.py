@@ -113,7 +113,8 @@ def _ensemble(search, minima):
         if len(turning) == 1 and not flips and turning[0] not in [f.name for f in found]:
             name = turning[0]
         found.append(replace(way, name=name))
-        say(f"frame {frame}: {name}, on which {', '.join(flips + turning) or 'no bond'} turns: {_words(search, way.points())}")
+        what = ", ".join(flips + turning) or "no bond"
+        say(f"frame {frame}: {name}, on which {what} turns: {_words(search, way.points())}")
     for name, why in dropped:
         say(f"{name}: no path: {why}")
     return search.result(found, dropped)

@@ -107,6 +107,18 @@ for turn, other, energy, expected in ((70, 0, 0.05, -70), (70, 90, 0.05, None), 
         assert turns is None if expected is None else turns == [] and expected == 0, (turn, other, turns)
 
 
+# A step leads to the stationary point of a quadratic surface: to the lowest one, or along a climbed mode to the highest.
+# Where that is too far, no other step of this length leads lower.
+curvatures, slopes = np.array([-0.5, 1.0, 3.0]), np.array([0.1, -0.2, 0.3])
+assert np.allclose(optimise.step_within(curvatures, slopes, 0, 9.0), -slopes / curvatures)
+assert np.allclose(optimise.step_within(-curvatures[:1], slopes[:1], None, 9.0), -0.2)
+short = optimise.step_within(curvatures, slopes, None, 0.05)
+others = np.random.default_rng(1).normal(size=(1000, 3))
+others *= 0.05 / np.linalg.norm(others, axis=1)[:, None]
+assert abs(np.linalg.norm(short) - 0.05) < 1e-9, short
+assert short @ slopes + curvatures @ short**2 / 2 < (others @ slopes + others**2 @ curvatures / 2).min(), short
+
+
 # A rotor turns freely on a surface that is flat, and does not where the energy only climbs.
 class Bond:
     """Hydrogen peroxide, held by springs, whose torsion has the energy slope times its angle."""
