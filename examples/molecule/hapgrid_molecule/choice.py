@@ -23,7 +23,7 @@ def choose(start, result, unwanted):
     """The paths of the grid, the lowest barrier first; rotors.tsv has them all, and why others are not taken. unwanted: paths,
     and why."""
     o, kept = start.options, start.folder
-    lowest_first = sorted(result.found, key=lambda f: f.barrier)
+    lowest_first = sorted(result.found, key=lambda f: round(f.barrier * HARTREE, 2))  # equal ones as they were found
 
     def compute():
         rows, taken, left = [], [], {}

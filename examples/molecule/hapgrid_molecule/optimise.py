@@ -84,15 +84,14 @@ def step_within(values, f, climbed, trust):
     return -f / (values + shift)
 
 
-def search(function, x, hessian, *, climb=None, tolerance=1e-5, steps=300, longest=0.3, renew=None, every=0, tree=None,
+def search(function, x, hessian, *, climb=None, tolerance=1e-5, steps=300, longest=0.3, renew=None, every=0,
            strict=True, passed=None):
     """A stationary point near x: a minimum, or with `climb` a saddle.
 
     function(x): (energy, gradient). hessian: the first one. climb: a vector (3 atoms); the mode
     nearest to it is climbed, and then always the mode nearest to the one before. tolerance: largest
-    component of the gradient (hartree/bohr). longest: step, bohr. renew(x): an exact Hessian, taken every `every` steps.
-    tree: coordinates in which the steps are straight. strict: whether steps that do not suffice are an error. passed: a
-    list that gets the shapes on the way.
+    component of the gradient (hartree/bohr). longest: step, bohr. renew(x): an exact Hessian, taken every `every`
+    steps. strict: whether steps that do not suffice are an error. passed: a list that gets the shapes on the way.
     Returns (x, energy, hessian as updated).
     """
     energy, gradient = function(x)
@@ -111,11 +110,10 @@ def search(function, x, hessian, *, climb=None, tolerance=1e-5, steps=300, longe
         step = step_within(values, f, chosen, trust)
         length = np.linalg.norm(step)
         expected = f @ step + step @ (values * step) / 2
-        s = (vectors @ step).reshape(-1, 3)
-        moved = x + s if tree is None else tree.moved(x, s)
+        moved = x + (vectors @ step).reshape(-1, 3)
         new_energy, new_gradient = function(moved)
         gain = new_energy - energy
-        hessian = update(hessian, (moved - x).ravel(), new_gradient.ravel() - g)
+        hessian = update(hessian, vectors @ step, new_gradient.ravel() - g)
         ratio = gain / expected if abs(expected) > 1e-9 else 1.0
         if climb is None and gain > 1e-6 and ratio < 0:
             trust = max(length / 4, 1e-4)  # uphill: not taken, but it has improved the Hessian
@@ -140,11 +138,12 @@ def minimum(surface, x, hessian=None, longest=0.3, passed=None):
     hessian = surface.hessian(x) if hessian is None else hessian
     for tolerance in (1e-4, FINE, FINE, FINE):
         x, *_ = search(surface, x, hessian, tolerance=tolerance, steps=400, longest=longest, renew=surface.hessian,
-                       every=3 * surface.renewal, tree=surface.tree, passed=passed)
+                       every=3 * surface.renewal, passed=passed)
         one = point(surface, x)
         hessian = one.hessian
-        if one.nu1 <= 0:  # a saddle, kept by symmetry: leave it along the mode that falls
-            x = x + 0.1 * projected(hessian, x)[1][:, 0].reshape(-1, 3)
+        if one.nu1 <= 0:  # a saddle is near, or it is kept by symmetry: leave it downhill along the mode that falls
+            mode = projected(hessian, x)[1][:, 0]
+            x = x - np.copysign(0.1, surface(x)[1].ravel() @ mode) * mode.reshape(-1, 3)
         elif tolerance == FINE:
             return one
     raise NotConverged("not converged: no minimum near a point of symmetry")
@@ -156,7 +155,7 @@ def saddle(surface, x, direction):
     Where a soft torsion's scan snaps over, long steps on an updated Hessian leave the ridge. Then the search begins anew with
     short steps and a fresh Hessian at nearly each.
     """
-    how = dict(climb=direction, tolerance=FINE, renew=surface.hessian, tree=surface.tree)
+    how = dict(climb=direction, tolerance=FINE, renew=surface.hessian)
     first = surface.hessian(x)
     try:
         x, *_ = search(surface, x, first, steps=150, longest=0.5, every=surface.renewal, **how)

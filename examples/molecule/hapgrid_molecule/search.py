@@ -14,7 +14,7 @@ from .xtb import BOHR, HARTREE, XtbError
 
 SAME_ENERGY = 0.02  # kJ/mol
 CONFORMERS = 4  # of the lowest by the force field, which xtb relaxes
-AWAY = 0.15  # bohr: how far from a saddle the ways down from it begin, and their longest step
+AWAY = 0.1  # bohr: how far from a saddle the ways down from it begin, and their longest step
 
 _search = None  # of this process and of those that it starts
 
@@ -117,7 +117,7 @@ class Search:
         """(energy, x) of a shape in angstrom, on its own surface. Errors: optimise.NoPath"""
         surface, x = self.start.surface(start / BOHR), start / BOHR
         x, energy, _ = optimise.search(surface, x, surface.hessian(x), tolerance=1e-4, steps=400, renew=surface.hessian,
-                                       every=50, tree=surface.tree)
+                                       every=50)
         if not self.intact(x):
             raise optimise.NoPath("its bonds change")
         return energy, x

@@ -141,7 +141,7 @@ def estimate(start):
     try:
         surface, shifts = start.surface(x), itertools.count(1)
         gradient = takes(lambda: surface.energy(x + 0.005 * next(shifts) * np.eye(*x.shape)))
-        step = takes(lambda: optimise.projected(np.eye(x.size), x)) + takes(lambda: start.tree.moved(x, 0.01 * np.cos(x)))
+        step = takes(lambda: optimise.projected(np.eye(x.size), x))
     except XtbError:
         return
     count = HESSIANS + ways * (HESSIANS + (HESSIANS_BEHIND if o.basins else 0)) * (1 + soft / FLEXIBLE)

@@ -121,11 +121,11 @@ assert short @ slopes + curvatures @ short**2 / 2 < (others @ slopes + others**2
 
 # A rotor turns freely on a surface that is flat, and does not where the energy only climbs.
 class Bond:
-    """Hydrogen peroxide, held by springs, whose torsion has the energy slope times its angle."""
-    tree, masses = None, np.ones(4)
+    """Hydrogen peroxide, held by springs. rise(turn): the energy of its torsion from x on, and the slope of that."""
+    masses, renewal = np.ones(4), 3
 
-    def __init__(self, x, slope):
-        self.x, self.slope, self.start = x, slope, geometry.torsion(x, 0, 1, 2, 3)
+    def __init__(self, x, rise):
+        self.x, self.rise, self.start = x, rise, geometry.torsion(x, 0, 1, 2, 3)
 
     def __call__(self, x):
         pairs = [(0, 1), (1, 2), (2, 3), (0, 2), (1, 3)]
@@ -137,7 +137,8 @@ class Bond:
             gradient[i] += push
             gradient[j] -= push
         turn = geometry.wrapped(geometry.torsion(x, 0, 1, 2, 3) - self.start) % (2 * np.pi)
-        return energy + self.slope * turn, gradient + self.slope * geometry.torsion_gradient(x, 0, 1, 2, 3)
+        rise, slope = self.rise(turn)
+        return energy + rise, gradient + slope * geometry.torsion_gradient(x, 0, 1, 2, 3)
 
     def energy(self, x):
         return self(x)[0]
@@ -151,13 +152,20 @@ class Bond:
 place = np.array([[1.8, 0, -0.6], [0, 0, 0], [0, 0, 2.8], [0.9, 1.5, 3.4]])
 turn = torsions.Torsion("turn", (0, 1, 2, 3), (3,), (1,), True)
 for slope, why in ((0.0, "turns freely, without a barrier of 0.1 kJ/mol"), (1 / HARTREE, "no barrier within half a turn")):
-    bond = Bond(place, slope)
+    bond = Bond(place, lambda turn, slope=slope: (slope * turn, slope))
     try:
         torsions.scan(bond, Point(place, bond.energy(place), bond.hessian(place), 0.0), turn, 1)
         raise AssertionError("a barrier on a slope")
     except optimise.NoPath as no:
         assert str(no).startswith(why), no
 
+
+# On both sides of a barrier so low that its slope is hardly felt the way leads down, and not back over it.
+low = Bond(place, lambda turn: (1e-4 * np.cos(2 * turn), -2e-4 * np.sin(2 * turn)))
+for start in (-0.02, -0.01, 0.01, 0.02):
+    found = optimise.minimum(low, geometry.rotated_about(place, 1, 2, [3], start), longest=0.1)
+    turned = geometry.wrapped(geometry.torsion(found.x, 0, 1, 2, 3) - low.start)
+    assert abs(turned - np.copysign(np.pi / 2, start)) < 0.05, (start, turned)
 
 # Other energies: nodes a little below the conformation are left out, a path ends at its highest node, and a much lower node
 # becomes the conformation, from which its path leads both ways.
