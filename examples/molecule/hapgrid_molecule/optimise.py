@@ -150,15 +150,8 @@ def minimum(surface, x, hessian=None, longest=0.3, passed=None):
 
 
 def saddle(surface, x, direction):
-    """The saddle uphill along the mode nearest to `direction` (3 atoms), with its exact Hessian.
-
-    Where a soft torsion's scan snaps over, long steps on an updated Hessian leave the ridge. Then the search begins anew with
-    short steps and a fresh Hessian at nearly each.
-    """
-    how = dict(climb=direction, tolerance=FINE, renew=surface.hessian)
-    first = surface.hessian(x)
-    try:
-        x, *_ = search(surface, x, first, steps=150, longest=0.5, every=surface.renewal, **how)
-    except NotConverged:
-        x, *_ = search(surface, x, first, steps=80, longest=0.1, every=surface.renewal // 3, **how)
+    """The saddle uphill along the mode nearest to `direction` (3 atoms), with its exact Hessian. Steps are short, since long
+    ones on an updated Hessian leave the ridge where a soft torsion's scan snaps over."""
+    x, *_ = search(surface, x, surface.hessian(x), climb=direction, tolerance=FINE, steps=200, longest=0.2,
+                   renew=surface.hessian, every=surface.renewal)
     return point(surface, x)
