@@ -136,14 +136,16 @@ def minimum(surface, x, hessian=None, longest=0.3, passed=None):
     """The minimum downhill of x, with its exact Hessian. longest, passed: as search() has them; short steps stay in the valley
     where they start."""
     hessian = surface.hessian(x) if hessian is None else hessian
-    for tolerance in (1e-4, FINE, FINE, FINE):
+    for tolerance, leave in zip((1e-4, FINE, FINE, FINE, FINE), (0.1, 0.2, 0.3, 0.4, 0.5)):
         x, *_ = search(surface, x, hessian, tolerance=tolerance, steps=400, longest=longest, renew=surface.hessian,
                        every=3 * surface.renewal, passed=passed)
         one = point(surface, x)
         hessian = one.hessian
-        if one.nu1 <= 0:  # a saddle is near, or it is kept by symmetry: leave it downhill along the mode that falls
+        if one.nu1 <= 0:
+            # A saddle is near, or it is kept by symmetry: leave it downhill along the mode that falls, farther each time, since
+            # on a nearly free rotor noise decides what is downhill at first.
             mode = projected(hessian, x)[1][:, 0]
-            x = x - np.copysign(0.1, surface(x)[1].ravel() @ mode) * mode.reshape(-1, 3)
+            x = x - np.copysign(leave, surface(x)[1].ravel() @ mode) * mode.reshape(-1, 3)
         elif tolerance == FINE:
             return one
     raise NotConverged("not converged: no minimum near a point of symmetry")
