@@ -9,6 +9,15 @@ from .files import Failed
 from .programs import Stopped, catch_signals
 from .texts import printable_line, printable_text
 
+# For the help of a command.
+EXIT_CODES = """\
+exit codes:
+  0  done
+  1  could not: input, I/O, a model or another program
+  2  the command line is wrong
+  3  the grid breaks a rule: see verify.txt"""
+
+
 class UsageError(Exception):
     pass
 

@@ -12,6 +12,7 @@ import functools
 import json
 import os
 import re
+import shlex
 import shutil
 import sys
 import time
@@ -104,6 +105,11 @@ class Work:
 
     def path(self, name):
         return os.path.join(self.directory, name)
+
+    def in_shell(self, name):
+        """The path of a file for a shell's command line, never an option."""
+        path = self.path(name)
+        return shlex.quote(f"./{path}" if path.startswith("-") else path)
 
     def read(self, name):
         return files.read_text(self.path(name))

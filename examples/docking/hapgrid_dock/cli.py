@@ -2,7 +2,7 @@
 
 import argparse
 
-from hapgrid_command.cli import Parser, formatter, guarded, number
+from hapgrid_command.cli import EXIT_CODES, Parser, formatter, guarded, number
 
 from . import course
 
@@ -15,7 +15,7 @@ was stopped continues there. A file in DIR that you change is kept, and the same
 command computes again what depends on it.
 """
 
-AFTERWARDS = """\
+AFTERWARDS = f"""\
 HOST and LIGAND are files that Open Babel reads, as .mol2, .sdf or .pdb, with
 hydrogens and coordinates; a .pdbqt is taken as it is. HOST can also be a .pqr
 of PDB2PQR, which is best for proteins, or the .maps.fld of AutoGrid's maps that
@@ -31,11 +31,7 @@ Files in DIR, whose name is NAME:
   poses.tsv        the deepest poses, as energies and places
   path.txt         a way in and back
 
-exit codes:
-  0  done
-  1  could not: input, I/O, a model or another program
-  2  the command line is wrong
-  3  the grid breaks a rule: see verify.txt
+{EXIT_CODES}
 
 examples:
   hapgrid dock calix.mol2 formamide.mol2 -o calix --centre 0,0,3 -j 2

@@ -7,7 +7,7 @@ confined (in a process with limits), molecule (what is read, and its conformers)
 
 Structures are found: structures (in several processes), search (each step), results (what they find, and how that is kept),
 xtb (energies), geometry, optimise (minima and saddles), rotors (which bonds turn, and their names), torsions (scans), path
-(from a saddle down), beyond (paths on behind saddles), ensemble (paths between given minima), singles
+(to a saddle), beyond (paths on behind saddles), ensemble (paths between given minima), singles
 (energies by other programs), xyz and files (what is written).
 
 A grid is made: choice (the softest paths that are sane together), stiffness (of the anchors), definition (box and

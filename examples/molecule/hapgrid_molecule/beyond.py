@@ -8,9 +8,9 @@ its halves have turned so far against each other that the alignment jumps. Other
 
 from dataclasses import replace
 
-from . import geometry, optimise, path, torsions
-from .results import Way
-from .xtb import HARTREE, XtbError
+from . import geometry, optimise, path
+from .results import Path
+from .xtb import XtbError
 
 LEGS = 6  # in one direction, at most
 JUMP = 3.0  # times the way that the atoms go: how far an aligned shape moves where the alignment jumps
@@ -18,39 +18,35 @@ BACK = "back in the conformation"
 
 
 def drive(search, torsion, sign, apart=None, known=()):
-    """(Way, distance of its nodes) of a torsion in one direction. It ends before a saddle to one of the known minima."""
-    way, at = Way([search.x], [search.energy]), search.rest
+    """(Path, distance of its nodes) of a torsion in one direction. It ends before a saddle to one of the known minima."""
+    way, at = Path([search.x], [search.energy], why=f"{LEGS} saddles are enough"), search.rest
     for _ in range(LEGS):
         try:
-            left = search.start.options.highest / HARTREE - (at.energy - search.energy)
-            ends = search.ends(search.climbed(*torsions.scan(search.surface, at, torsion, sign, highest=left)), at.x)
+            ends = search.driven_over(at, torsion, sign)
             if not search.same(ends.near.x, at.x):
                 raise optimise.NoPath(f"the saddle at {search.above(ends.saddle.energy):.2f} kJ/mol joins other minima")
             if not search.intact(ends.far.x):
                 raise optimise.NoPath("bonds change")
             up, down, at, apart = path.over(search.surface, ends, at, apart)
         except (optimise.NoPath, XtbError) as why:
-            way.why = str(why)
-            break
+            return replace(way, why=str(why)), apart
         closed = search.same(at.x, search.x)
         if not closed and any(search.same(at.x, y) for y in [*(way.nodes[k] for k in way.minima()), *known]):
-            way.why = "a minimum that it has already"
+            # Up to the saddle, but without it.
             way.nodes += up[0][1:-1]
             way.energies += up[1][1:-1]
-            break
+            return replace(way, why="a minimum that it has already"), apart
         way.add(*up, "saddle")
         way.add(*down, "minimum")
         if closed:
-            way.why = BACK
             del way.kinds[len(way.nodes) - 1]  # it is no other one
-            break
-    else:
-        way.why = f"{LEGS} saddles are enough"
+            return replace(way, why=BACK), apart
     return way, apart
 
 
-def whole(search, torsion):
-    """The Way of a torsion, both directions as one. Errors: optimise.NoPath, where no minimum is behind a saddle."""
+def whole(search, job):
+    """The Path of a torsion, both directions as one. Errors: optimise.NoPath, where no minimum is behind a saddle."""
+    torsion, _ = search.jobs[job]
     plus, apart = drive(search, torsion, 1)
     if plus.why == BACK:
         plus, minus = _cut(search, plus)
@@ -59,14 +55,13 @@ def whole(search, torsion):
         if minus.why == BACK:
             raise optimise.NoPath("a whole turn comes back in one direction only")
         plus, minus = _before_jump(search, plus), _before_jump(search, minus)
-    why = f"{plus.why}; {minus.why}"
     if not plus.minima() + minus.minima():
-        raise optimise.NoPath(f"nothing behind its saddles: {why}")
+        raise optimise.NoPath(f"nothing behind its saddles: {plus.why}; {minus.why}")
     start = len(minus.nodes) - 1
     nodes = [n if n is search.x else geometry.aligned(n, search.x, search.surface.masses)
              for n in minus.nodes[:0:-1] + plus.nodes]
     kinds = {start - k: kind for k, kind in minus.kinds.items()} | {start + k: kind for k, kind in plus.kinds.items()}
-    return Way(nodes, minus.energies[:0:-1] + plus.energies, start, dict(sorted(kinds.items())), why)
+    return Path(nodes, minus.energies[:0:-1] + plus.energies, start, dict(sorted(kinds.items())))
 
 
 def _jump(search, nodes):
@@ -79,7 +74,7 @@ def _jump(search, nodes):
 
 
 def _part(way, count):
-    return Way(way.nodes[:count], way.energies[:count], 0, {k: kind for k, kind in way.kinds.items() if k < count}, way.why)
+    return Path(way.nodes[:count], way.energies[:count], 0, {k: kind for k, kind in way.kinds.items() if k < count}, way.why)
 
 
 def _before_jump(search, way):
@@ -94,8 +89,8 @@ def _before_jump(search, way):
 def _cut(search, circle):
     """The two parts of a circle, each from the conformation to a node before one of its saddles."""
     last = len(circle.nodes) - 1
-    back = Way([circle.nodes[0], *circle.nodes[-2::-1]], [circle.energies[0], *circle.energies[-2::-1]], 0,
-               {last - k: kind for k, kind in circle.kinds.items()}, circle.why)
+    back = Path([circle.nodes[0], *circle.nodes[-2::-1]], [circle.energies[0], *circle.energies[-2::-1]], 0,
+                {last - k: kind for k, kind in circle.kinds.items()}, circle.why)
     saddles = sorted((k for k, kind in circle.kinds.items() if kind == "saddle"), key=lambda k: -circle.energies[k])
     if len(saddles) == 1:  # of the same shape once more
         return circle, _part(back, 1)

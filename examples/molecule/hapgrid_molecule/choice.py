@@ -23,7 +23,7 @@ def choose(start, result, unwanted):
     """The paths of the grid, the lowest barrier first; rotors.tsv has them all, and why others are not taken. unwanted: paths,
     and why."""
     o, kept = start.options, start.folder
-    lowest_first = sorted(result.found, key=lambda f: f.barrier)
+    lowest_first = sorted(result.found, key=lambda f: round(f.barrier * HARTREE, 2))  # equal ones as they were found
 
     def compute():
         rows, taken, left = [], [], {}
@@ -75,13 +75,14 @@ def _fault(start, result, definition):
 def _missed(start, x, toml, minima):
     """What speaks against the energies that the model gives combined minima, or nothing."""
     method, by = ("single points", start.points) if start.points else ("xtb", start.surface(x))
-    rest, worst = by.energy(x), (MISSED, "")
+    rest = by.energy(x)
     for one in minima:
         energy = (by.energy(shape(start.folder, toml, one["t"]) / BOHR) - rest) * HARTREE
-        at = ",".join(f"{v:.9g}" for v in one["t"])
-        worst = max(worst, (abs(energy - one["energy_kJ_mol"]), f"the minima at t = {at} together are {energy:.1f} kJ/mol by "
-                            f"{method}, {one['energy_kJ_mol']:.1f} by the sum"))
-    return worst[1]
+        if abs(energy - one["energy_kJ_mol"]) > MISSED:
+            at = ",".join(f"{v:.9g}" for v in one["t"])
+            return (f"the minima at t = {at} together are {energy:.1f} kJ/mol by {method}, "
+                    f"{one['energy_kJ_mol']:.1f} by the sum")
+    return ""
 
 
 def shape(folder, definition, t):

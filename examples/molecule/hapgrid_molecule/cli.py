@@ -1,6 +1,6 @@
 """The command line of `hapgrid molecule`."""
 
-from hapgrid_command.cli import Parser, UsageError, formatter, guarded, number
+from hapgrid_command.cli import EXIT_CODES, Parser, UsageError, formatter, guarded, number
 
 from . import optimise, resolution, steps, xtb
 
@@ -19,7 +19,7 @@ depends on it. DIR can be renamed and copied. The steps are:
   way          A way of the probe that turns one torsion, there and back.
 """
 
-AFTERWARDS = """\
+AFTERWARDS = f"""\
 Files in DIR, where NAME is the folder's name when it was new:
   index.html       summary, and the molecule as it is pushed
   rotors.tsv       the bonds that were tried, taken and left out, and why
@@ -32,11 +32,7 @@ Rings keep their shape, unless paths lead between the minima of an ensemble. Of
 several molecules or records the largest is taken, with at most 100 atoms. The
 same molecule gives the same grid on each machine.
 
-exit codes:
-  0  done
-  1  could not: input, I/O, a model, xtb or another program
-  2  the command line is wrong
-  3  the grid breaks a rule: see verify.txt
+{EXIT_CODES}
 
 examples:
   hapgrid molecule ibuprofen.sdf -o ibuprofen -j 2

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from . import geometry, optimise, path
-from .results import Way
+from .results import Path
 from .xtb import BOHR
 
 SHAPES = 11  # of a chain, with its ends
@@ -115,8 +115,8 @@ def legs(search, a, b, left=MOST_LEGS):
 
 
 def way(search, b):
-    """The Way from the conformation to minimum b."""
-    out, at, apart = Way([search.x], [search.energy]), search.rest, None
+    """The Path from the conformation to minimum b."""
+    out, at, apart = Path([search.x], [search.energy]), search.rest, None
     for ends in legs(search, at, b):
         up, down, at, apart = path.over(search.surface, ends, at, apart)
         out.add(*up, "saddle")

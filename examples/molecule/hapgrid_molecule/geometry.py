@@ -181,12 +181,6 @@ class Tree:
                 x[atom] = x[a] + _placed(r, theta, turn[atom], x[b] - x[a], x[c] - x[b])
         return x
 
-    def moved(self, x, step):
-        """x after a step (atoms, 3) that is straight in internal coordinates. To first order it is
-        x + step, but groups turn on arcs and keep their bonds however far they go."""
-        small = 1e-4 / max(np.abs(step).max(), 1e-12)
-        return aligned(self.build(self.read(x) + self.change(x, x + small * step) / small), x + step, np.ones(len(x)))
-
     def change(self, x, y):
         """Internal coordinates of y less those of x; torsions turn the short way."""
         change = self.read(y) - self.read(x)

@@ -2,14 +2,18 @@
 
 Curvatures of a peptide's energy differ by five orders of magnitude between a bond and a soft
 torsion, so steps are taken along the eigenvectors of a Hessian, never along the gradient. The
-search for a saddle is the same, but it climbs along one eigenvector (P-RFO, Banerjee et al. 1985).
+search for a saddle is the same, but it climbs along one eigenvector (Cerjan and Miller 1981).
 """
 
 import numpy as np
+from scipy.optimize import brentq
 
 from . import geometry
 from .results import Point
 from .xtb import WAVE_NUMBER
+
+
+FINE = 3e-6  # hartree/bohr: the largest component of the gradient at a minimum or a saddle
 
 
 class NoPath(Exception):
@@ -42,18 +46,19 @@ def wave_numbers(hessian, x, masses):
     return np.sign(values) * np.sqrt(np.abs(values)) * WAVE_NUMBER
 
 
-def point(surface, x, energy, hessian):
-    return Point(x, energy, hessian, float(wave_numbers(hessian, x, surface.masses)[0]))
+def point(surface, x):
+    hessian = surface.hessian(x)
+    return Point(x, surface.energy(x), hessian, float(wave_numbers(hessian, x, surface.masses)[0]))
 
 
-def bfgs(hessian, s, y):
+def _bfgs(hessian, s, y):
     hs = hessian @ s
     if s @ y < 1e-12:  # the Hessian would no longer be positive definite
         return hessian
     return hessian + np.outer(y, y) / (s @ y) - np.outer(hs, hs) / (s @ hs)
 
 
-def bofill(hessian, s, y):
+def _bofill(hessian, s, y):
     """The update that may keep a negative eigenvalue. Source: Bofill 1994."""
     r = y - hessian @ s
     ss, rs, rr = s @ s, r @ s, r @ r
@@ -64,36 +69,33 @@ def bofill(hessian, s, y):
     return hessian + rs / (rr * ss) * np.outer(r, r) + (1 - phi) * powell
 
 
-def _rfo(values, f, climbed):
-    """Step in eigenvector components: one climbed (or None), the others descended."""
-    step = np.zeros_like(f)
-    down = np.ones(len(f), bool)
+def step_within(values, f, climbed, trust):
+    """Components of the step to the lowest point of a quadratic surface, within a trust radius; along a mode that is climbed
+    to the highest one. values, f: curvatures and slopes along the modes."""
+    values, f = values.copy(), f.copy()
     if climbed is not None:
-        down[climbed] = False
-        b, g = values[climbed], f[climbed]
-        step[climbed] = -g / (b - (b + np.sqrt(b * b + 4 * g * g)) / 2) if g != 0 else 0
-    n = down.sum()
-    matrix = np.zeros((n + 1, n + 1))
-    matrix[range(n), range(n)] = values[down]
-    matrix[:n, n] = matrix[n, :n] = f[down]
-    gap = values[down] - np.linalg.eigvalsh(matrix)[0]
-    # Where by symmetry nothing pulls along a mode that falls, this is 0 / 0.
-    step[down] = -f[down] / np.maximum(gap, 1e-12)
-    return step
+        values[climbed], f[climbed] = abs(values[climbed]), -f[climbed]
+
+    def length(shift):
+        return np.linalg.norm(f / (values + shift))
+    shift = max(0.0, 1e-6 - values.min())
+    if length(shift) > trust:
+        shift = brentq(lambda shift: length(shift) - trust, shift, np.linalg.norm(f) / trust - values.min())
+    return -f / (values + shift)
 
 
-def search(function, x, hessian, *, climb=None, tolerance=1e-5, steps=300, trust=0.2, longest=0.3,
-           renew=None, every=0, tree=None, strict=True):
+def search(function, x, hessian, *, climb=None, tolerance=1e-5, steps=300, longest=0.3, renew=None, every=0,
+           strict=True, passed=None):
     """A stationary point near x: a minimum, or with `climb` a saddle.
 
     function(x): (energy, gradient). hessian: the first one. climb: a vector (3 atoms); the mode
     nearest to it is climbed, and then always the mode nearest to the one before. tolerance: largest
-    component of the gradient (hartree/bohr). renew(x): an exact Hessian, taken every `every` steps.
-    tree: coordinates in which the steps are straight. strict: whether steps that do not suffice are an error.
+    component of the gradient (hartree/bohr). longest: step, bohr. renew(x): an exact Hessian, taken every `every`
+    steps. strict: whether steps that do not suffice are an error. passed: a list that gets the shapes on the way.
     Returns (x, energy, hessian as updated).
     """
     energy, gradient = function(x)
-    mode, update = climb, bfgs if climb is None else bofill
+    mode, update, trust = climb, _bfgs if climb is None else _bofill, min(0.2, longest)
     for count in range(steps):
         g = gradient.ravel()
         if np.abs(g).max() < tolerance:
@@ -105,17 +107,13 @@ def search(function, x, hessian, *, climb=None, tolerance=1e-5, steps=300, trust
             # that fall are taken, or the softest where none falls.
             chosen = int(np.argmax(np.abs(vectors[:, :int((values < 0).sum()) or 8].T @ mode)))
             mode = vectors[:, chosen]
-        step = _rfo(values, f, chosen)
+        step = step_within(values, f, chosen, trust)
         length = np.linalg.norm(step)
-        if length > trust:
-            step *= trust / length
-            length = trust
         expected = f @ step + step @ (values * step) / 2
-        s = (vectors @ step).reshape(-1, 3)
-        moved = x + s if tree is None else tree.moved(x, s)
+        moved = x + (vectors @ step).reshape(-1, 3)
         new_energy, new_gradient = function(moved)
         gain = new_energy - energy
-        hessian = update(hessian, (moved - x).ravel(), new_gradient.ravel() - g)
+        hessian = update(hessian, vectors @ step, new_gradient.ravel() - g)
         ratio = gain / expected if abs(expected) > 1e-9 else 1.0
         if climb is None and gain > 1e-6 and ratio < 0:
             trust = max(length / 4, 1e-4)  # uphill: not taken, but it has improved the Hessian
@@ -125,40 +123,37 @@ def search(function, x, hessian, *, climb=None, tolerance=1e-5, steps=300, trust
         elif ratio > 0.75 and length > 0.8 * trust:
             trust = min(2 * trust, longest)
         x, energy, gradient = moved, new_energy, new_gradient
-        if renew and every and (count + 1) % every == 0:
+        if passed is not None:
+            passed.append(x)
+        if every and (count + 1) % every == 0:
             hessian = renew(x)
     if strict:
         raise NotConverged(f"not converged: {steps} steps left a gradient of {np.abs(gradient).max():.1e} hartree/bohr")
     return x, energy, hessian
 
 
-def minimum(surface, x, hessian=None, tolerance=3e-6, steps=400, longest=0.3):
-    """The minimum downhill of x, with its exact Hessian. longest: the longest step, bohr; short steps stay in the valley
+def minimum(surface, x, hessian=None, longest=0.3, passed=None):
+    """The minimum downhill of x, with its exact Hessian. longest, passed: as search() has them; short steps stay in the valley
     where they start."""
-    exact, how = surface.hessian, dict(renew=surface.hessian, tree=surface.tree)
-    x, energy, _ = search(surface, x, exact(x) if hessian is None else hessian, tolerance=1e-4, steps=steps,
-                          every=3 * surface.renewal, trust=min(0.2, longest), longest=longest, **how)
-    for _ in range(3):
-        x, energy, _ = search(surface, x, exact(x), tolerance=tolerance, steps=100, every=surface.renewal, **how)
-        bend = exact(x)
-        values, vectors = projected(bend, x)
-        if values[0] > 0:
-            return point(surface, x, energy, bend)
-        # A saddle, kept by symmetry: leave it along the mode that falls.
-        x = x + 0.1 * vectors[:, 0].reshape(-1, 3)
+    hessian = surface.hessian(x) if hessian is None else hessian
+    for tolerance, leave in zip((1e-4, FINE, FINE, FINE, FINE), (0.1, 0.2, 0.3, 0.4, 0.5)):
+        x, *_ = search(surface, x, hessian, tolerance=tolerance, steps=400, longest=longest, renew=surface.hessian,
+                       every=3 * surface.renewal, passed=passed)
+        one = point(surface, x)
+        hessian = one.hessian
+        if one.nu1 <= 0:
+            # A saddle is near, or it is kept by symmetry: leave it downhill along the mode that falls, farther each time, since
+            # on a nearly free rotor noise decides what is downhill at first.
+            mode = projected(hessian, x)[1][:, 0]
+            x = x - np.copysign(leave, surface(x)[1].ravel() @ mode) * mode.reshape(-1, 3)
+        elif tolerance == FINE:
+            return one
     raise NotConverged("not converged: no minimum near a point of symmetry")
 
 
-def saddle(surface, x, direction, tolerance=3e-6):
-    """The saddle uphill along the mode nearest to `direction` (3 atoms), with its exact Hessian.
-
-    Where a soft torsion's scan snaps over, long steps on an updated Hessian leave the ridge. Then the search begins anew with
-    short steps and a fresh Hessian at nearly each.
-    """
-    how = dict(climb=direction, tolerance=tolerance, renew=surface.hessian, tree=surface.tree)
-    first = surface.hessian(x)
-    try:
-        x, energy, _ = search(surface, x, first, steps=150, trust=0.1, longest=0.5, every=surface.renewal, **how)
-    except NotConverged:
-        x, energy, _ = search(surface, x, first, steps=80, trust=0.05, longest=0.1, every=surface.renewal // 3, **how)
-    return point(surface, x, energy, surface.hessian(x))
+def saddle(surface, x, direction):
+    """The saddle uphill along the mode nearest to `direction` (3 atoms), with its exact Hessian. Steps are short, since long
+    ones on an updated Hessian leave the ridge where a soft torsion's scan snaps over."""
+    x, *_ = search(surface, x, surface.hessian(x), climb=direction, tolerance=FINE, steps=200, longest=0.2,
+                   renew=surface.hessian, every=surface.renewal)
+    return point(surface, x)

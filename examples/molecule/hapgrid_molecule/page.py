@@ -32,7 +32,7 @@ def write(start, turned, ways):
     kept.write("played.pdb", pdb(start.molecule.rd, probed))
     for name, column, label in CURVES:
         run("plot", "columns", "played.log", "--y", column, "--labels", f"time / s,{label}", "-o", name)
-    log = read_log(kept.path("played.log"))
+    log = read_log(kept.read("played.log"))
     x, y = (log[a][len(log[a]) // 2] - log[a][0] for a in "xy")
     azimuth = f"{np.degrees(np.arctan2(y, x)):.0f}"  # from which the probe comes from the left
     run("view", "played.frames", "--azimuth", azimuth, "--elevation", "10", "--html", "played.html")

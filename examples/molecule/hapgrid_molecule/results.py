@@ -29,33 +29,36 @@ class Point:
 
 @dataclass
 class Ends:
-    """A saddle and the minima that it joins. sign: which way along its mode the near one lies."""
+    """A saddle and the minima that it joins. up: shapes from the near one to the saddle; down: from there to the far
+    one."""
     saddle: Point
-    sign: int
     near: Point
     far: Point
-
-    def points(self):
-        """[(kind, energy, shape)] along the way from the near one to the far one."""
-        return [(kind, one.energy, one.x) for kind, one in (("minimum", self.near), ("saddle", self.saddle),
-                                                            ("minimum", self.far))]
+    up: list
+    down: list
 
 
 @dataclass
-class Way:
-    """Nodes through the conformation, which is the one at `start`. kinds: {node: "minimum" or "saddle"} of the others that
-    are stationary, where the way goes on behind its saddles; why: its ends are where they are."""
+class Path:
+    """Nodes through the conformation, which is the one at `start`. kinds: {node: "minimum" or "saddle"} of the others that are
+    stationary, where the path goes on behind its saddles; otherwise its last node is a saddle. nu1: of that, None where it is
+    no saddle of xtb; near, far: the minima that it joins, None where nobody has looked for them. why: there is no path, or
+    where it ends. name: of its file."""
     nodes: list
     energies: list
     start: int = 0
     kinds: dict = field(default_factory=dict)
     why: str = ""
+    name: str = ""
+    nu1: float = None
+    near: Point = None
+    far: Point = None
 
     goes_on = property(lambda self: bool(self.kinds))
     barrier = property(lambda self: max(self.energies))
 
     def points(self):
-        """The same of a way, without the conformation."""
+        """[(kind, energy, shape)] of what is stationary on the way behind saddles, without the conformation."""
         return [(kind, self.energies[k], self.nodes[k]) for k, kind in self.kinds.items()]
 
     def minima(self):
@@ -66,15 +69,6 @@ class Way:
         self.nodes += nodes[1:]
         self.energies += energies[1:]
         self.kinds[len(self.nodes) - 1] = kind
-
-
-@dataclass
-class Path(Way):
-    """A way for a file. nu1: of its saddle, None where its last node is no saddle of xtb; far: the
-    minimum behind that, None where nobody has looked for it."""
-    name: str = ""
-    nu1: float = None
-    far: Point = None
 
 
 @dataclass
@@ -106,29 +100,29 @@ def plain(value):
 
 
 def restored(types, value, atoms):
-    """The result that plain() gave, of one of these types. Errors: ValueError, where it is something else."""
+    """The result that plain() gave, of one of these types. Errors: ValueError or TypeError, where it is something else."""
     kind = next((one for one in types if isinstance(value, dict) and {f.name for f in fields(one)} == set(value)), None)
     if kind is None:
         raise ValueError("of another type")
-    nodes = len(value["nodes"]) if isinstance(value.get("nodes"), list) else 0
-    return kind(**{name: _field(name, one, atoms, nodes) for name, one in value.items()})
+    nodes = len(value.get("nodes") or ())
+    return kind(**{f.name: None if value[f.name] is f.default is None else _field(f, value[f.name], atoms, nodes)
+                   for f in fields(kind)})
 
 
-def _field(name, value, atoms, nodes):
-    shape = {"x": (atoms, 3), "hessian": (3 * atoms, 3 * atoms), "nodes": (nodes, atoms, 3), "energies": (nodes,),
-             "energy": (), "nu1": ()}.get(name)
+def _field(of, value, atoms, nodes):
+    shape = {"x": (atoms, 3), "hessian": (3 * atoms, 3 * atoms), "nodes": (nodes, atoms, 3),
+             "energies": (nodes,), "energy": (), "nu1": ()}.get(of.name)
     if shape is not None:
         array = np.array(value)
-        if array.shape != shape or array.dtype.kind not in "if" or not np.isfinite(array).all():
-            raise ValueError(name)
-        return list(array) if name == "nodes" else array if shape and name != "energies" else value
-    if name in ("saddle", "near", "far"):
+        sound = array.shape == shape and array.dtype.kind in "if" and np.isfinite(array).all()
+        value = value if shape == () else list(array) if of.type is list else array
+    elif of.type is dict:
+        sound = isinstance(value, list) and all(0 <= k < nodes and kind in ("minimum", "saddle") for k, kind in value)
+        value = dict(value)
+    elif of.type is Point:
         return restored([Point], value, atoms)
-    if name == "kinds" and isinstance(value, list) and all(isinstance(one, list) and len(one) == 2 for one in value):
-        if all(type(k) is int and 0 <= k < nodes and kind in ("minimum", "saddle") for k, kind in value):
-            return dict(value)
-    elif name == "why" and isinstance(value, str) or name == "free" and isinstance(value, bool):
-        return value
-    elif type(value) is int and (name == "sign" and value in (1, -1) or name == "start" and 0 <= value < nodes):
-        return value
-    raise ValueError(name)
+    else:
+        sound = type(value) is of.type and (of.type is not int or 0 <= value < nodes)
+    if not sound:
+        raise ValueError(of.name)
+    return value

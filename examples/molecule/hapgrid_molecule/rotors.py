@@ -125,7 +125,7 @@ class Candidate:
 
 
 def candidate(bonds, torsion, way, free):
-    """The Candidate of a Way on behind barriers, or from the conformation to one. bonds: all Torsions that turn; free: names of
+    """The Candidate of a Path on behind barriers, or from the conformation to one. bonds: all Torsions that turn; free: names of
     those that turn freely, so that it says nothing how far they do on the way."""
     to_end, extent = torsions.turned(bonds, way.nodes)
     number = next(n for n, t in enumerate(bonds) if t.name == torsion.name)

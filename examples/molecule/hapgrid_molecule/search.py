@@ -7,20 +7,30 @@ import numpy as np
 from hapgrid_command.files import Failed
 from hapgrid_command.programs import end_with_parent, raise_if_stopped
 
-from . import beyond, ensemble, geometry, optimise, path, rotors, torsions
+from . import geometry, optimise, path, rotors, torsions
 from .molecule import conformers
-from .results import Dropped, Ends, Point, Result, SAME_SHAPE, Way, plain, restored
+from .results import Dropped, Ends, Path, Point, Result, SAME_SHAPE, plain, restored
 from .xtb import BOHR, HARTREE, XtbError
 
 SAME_ENERGY = 0.02  # kJ/mol
 CONFORMERS = 4  # of the lowest by the force field, which xtb relaxes
+AWAY = 0.1  # bohr: how far from a saddle the ways down from it begin, and their longest step
 
 _search = None  # of this process and of those that it starts
 
 
 def _ask(question):
-    method, value = question
-    return method(_search, value)
+    method, kind, value = question
+
+    def compute():
+        try:
+            return method(_search, value)
+        except (optimise.NoPath, XtbError) as why:
+            return Dropped(str(why), isinstance(why, optimise.TurnsFreely))
+    if kind is None:
+        return compute()
+    inputs = [method.__name__, plain(value), _search.x.tolist(), _search.start.options.highest]
+    return _search.kept([kind, Dropped], inputs, compute)
 
 
 class Search:
@@ -37,8 +47,9 @@ class Search:
     def say(self, text):
         self.start.folder.say("  " + text)
 
-    def each(self, what, method, values):
-        """(value, method(self, value)) in the order of the values, computed by several processes."""
+    def each(self, what, method, values, kind=None):
+        """(value, method(self, value) or a Dropped) in the order of the values, computed by several processes. kind: of the
+        results, where they are kept for these values and this conformation."""
         global _search
         _search, values = self, list(values)
         if not values:
@@ -47,7 +58,7 @@ class Search:
         threads = min(self.start.options.threads, len(values))
         with multiprocessing.get_context("fork").Pool(threads, end_with_parent) as pool:
             raise_if_stopped()
-            for done, result in enumerate(pool.imap(_ask, [(method, value) for value in values]), 1):
+            for done, result in enumerate(pool.imap(_ask, [(method, kind, value) for value in values]), 1):
                 tell(done)
                 yield values[done - 1], result
 
@@ -57,52 +68,59 @@ class Search:
         return Result(self.molecule.numbers, self.surface.masses, self.start.words, self.driven, self.x, self.energy,
                       self.rest.nu1, found, [(name, why) for name, why in dropped if name not in have])
 
+    def kept(self, types, inputs, compute):
+        """The result of compute(), of one of these types, which is computed once. inputs: the step's name, and what it
+        depends on besides the molecule."""
+        one, folder = self.molecule, self.start.folder
+        key = [folder.version, one.numbers, self.start.words, one.charge, one.unpaired, *inputs]
+        return folder.kept.take(key, lambda: plain(compute()), lambda value: restored(types, value, len(one.numbers)))
+
     # The conformation
 
     def find_conformation(self, keep):
         """Sets rest, its x and energy, and the surface. keep: relax the molecule's shape to the nearest minimum instead of
         looking for the lowest one."""
         shapes = [] if self.start.options.keep_conformation else [x for _, x in self.shapes]
-        one = self._take([Point], ["conformation", self.molecule.positions.tolist(), keep, plain(shapes)],
-                         lambda: self._conformation(keep, shapes))
-        self.x, self.surface = one.x, self.start.surface(one.x)
-        self.energy = self.surface.energy(self.x)
-        self.rest = replace(one, energy=self.energy)
+        near = self.kept([Point], ["conformer", self.molecule.positions.tolist(), keep, plain(shapes)],
+                          lambda: self._conformer(keep, shapes))
+        # GFN-FF must read its bonds off a shape like the conformation, not off the shape from which it was found: then
+        # one run of xtb on the conformation's file gives the same energy in most cases. Not in all: at an amine's nitrogen
+        # GFN-FF's terms depend on which of three bonds is the shortest, and that may change from each minimum to the next.
+        # So the surface on which this is a minimum remains that of the search.
+        self.surface = self.start.surface(near.x)
+        self.rest = self.kept([Point], ["conformation", near.x.tolist()], lambda: self._conformation(near.x))
+        self.x, self.energy = self.rest.x, self.rest.energy
 
-    def _conformation(self, keep, shapes):
+    def _conformation(self, x):
+        x = geometry.on_principal_axes(optimise.minimum(self.surface, x).x, self.surface.masses)
+        return optimise.point(self.surface, geometry.as_in_file(x))
+
+    def _conformer(self, keep, shapes):
+        """A minimum on its own surface."""
         starts = shapes or ([self.molecule.positions] if keep else conformers(self.molecule, CONFORMERS))
         best, reason = None, ""
         tie = SAME_ENERGY / HARTREE if shapes else 0.0  # of equal minima of an ensemble the first is taken
-        for n, (_, (x, energy, why)) in enumerate(self.each("relaxing conformers", Search.relax, starts), 1):
-            if why:
-                reason = why
-                self.say(f"conformer {n}: left out: {why}")
-            elif best is None or energy < best[0] - tie:
-                best = energy, x
+        for n, (_, one) in enumerate(self.each("relaxing conformers", Search.relax, starts), 1):
+            if isinstance(one, Dropped):
+                reason = one.why
+                self.say(f"conformer {n}: left out: {reason}")
+            elif best is None or one[0] < best[0] - tie:
+                best = one
         if best is None:
             charges = [atom.GetFormalCharge() for atom in self.molecule.rd.GetAtoms()]
             if self.start.options.solvent is None and max(charges) > 0 > min(charges):
                 reason += "; a zwitterion needs water: give --solvent water, or the neutral form"
             raise Failed(f"no conformation: none of the start structures relaxes: {reason}")
-        # GFN-FF must read its bonds off the conformation itself, not off the shape from which it
-        # was found: then one run of xtb on the conformation's file gives the same energy.
-        x = best[1]
-        for _ in range(2):
-            surface = self.start.surface(x)
-            x = optimise.minimum(surface, x).x
-        x = geometry.as_in_file(geometry.on_principal_axes(x, surface.masses))
-        hessian = surface.hessian(x)
-        return optimise.point(surface, x, surface.energy(x), hessian)
+        return optimise.minimum(self.start.surface(best[1]), best[1])
 
     def relax(self, start):
-        """(x, energy, why it is left out) of a shape in angstrom."""
-        try:
-            surface = self.start.surface(start / BOHR)
-            x, energy, _ = optimise.search(surface, start / BOHR, surface.hessian(start / BOHR), tolerance=1e-4, steps=400,
-                                           renew=surface.hessian, every=50, tree=surface.tree)
-        except (optimise.NotConverged, XtbError) as why:
-            return None, None, str(why)
-        return x, energy, "" if self.intact(x) else "its bonds change"
+        """(energy, x) of a shape in angstrom, on its own surface. Errors: optimise.NoPath"""
+        surface, x = self.start.surface(start / BOHR), start / BOHR
+        x, energy, _ = optimise.search(surface, x, surface.hessian(x), tolerance=1e-4, steps=400, renew=surface.hessian,
+                                       every=50)
+        if not self.intact(x):
+            raise optimise.NoPath("its bonds change")
+        return energy, x
 
     # Shapes
 
@@ -120,43 +138,12 @@ class Search:
     def same(self, x, y):
         return self.apart(x, y) < SAME_SHAPE
 
-    # Steps that are kept
+    # Saddles
 
-    def kept(self, kind, inputs, compute):
-        """The result of compute(), of this type, or a Dropped; it is computed once. inputs: the step's name, and what it
-        depends on besides the conformation."""
-        def guarded():
-            try:
-                return compute()
-            except (optimise.NoPath, XtbError) as why:
-                return Dropped(str(why), isinstance(why, optimise.TurnsFreely))
-        return self._take([kind, Dropped], [self.x.tolist(), self.start.options.highest, *inputs], guarded)
-
-    def _take(self, types, inputs, compute):
-        one, folder = self.molecule, self.start.folder
-        key = [folder.version, one.numbers, self.start.words, one.charge, one.unpaired, *inputs]
-        return folder.kept.take(key, lambda: plain(compute()), lambda value: restored(types, value, len(one.numbers)))
-
-    def saddle(self, job):
-        torsion, sign = self.jobs[job]
-        highest = self.start.options.highest / HARTREE
-        return self.kept(Ends, ["saddle", torsion.atoms, sign], lambda: self.ends(
-            self.climbed(*torsions.scan(self.surface, self.rest, torsion, sign, highest=highest)), self.x))
-
-    def path(self, job):
-        torsion, sign = self.jobs[job]
-        ends = self.saddle(job)
-        return self.kept(Way, ["path", torsion.atoms, sign], lambda: self._path(ends))
-
-    def beyond(self, job):
-        torsion, _ = self.jobs[job]
-        return self.kept(Way, ["beyond", torsion.atoms], lambda: beyond.whole(self, torsion))
-
-    def minimum(self, shape):
-        return self.kept(Point, ["minimum", shape.tolist()], lambda: ensemble.minimum(self, shape))
-
-    def between(self, minimum):
-        return self.kept(Way, ["between", minimum.x.tolist()], lambda: ensemble.way(self, minimum))
+    def driven_over(self, minimum, torsion, sign):
+        """The Ends of the first saddle on the way of a torsion from a minimum, on whose side the near one is."""
+        left = self.start.options.highest / HARTREE - (minimum.energy - self.energy)
+        return self.ends(self.climbed(*torsions.scan(self.surface, minimum, torsion, sign, highest=left)), minimum.x)
 
     def climbed(self, guess, tangent):
         """The saddle near a guess. Errors: optimise.NoPath where that is none between two shapes of this molecule."""
@@ -172,21 +159,32 @@ class Search:
         """The Ends of a saddle, of which the near one is like shape a, and the far one like b, where that is given."""
         masses = self.surface.masses
         _, vectors = optimise.projected(saddle.hessian, saddle.x, masses)
-        mode = vectors[:, 0] / np.repeat(np.sqrt(masses), 3)
-        mode = 0.15 * mode / np.linalg.norm(mode)
-        one, two = (optimise.minimum(self.surface, saddle.x + sign * mode.reshape(-1, 3), saddle.hessian, longest=0.15)
-                    for sign in (1, -1))
-        out = min((Ends(saddle, 1, one, two), Ends(saddle, -1, two, one)), key=lambda ends: self.apart(ends.near.x, a) + (
-            0 if b is None else self.apart(ends.far.x, b)))
+        mode = (vectors[:, 0] / np.repeat(np.sqrt(masses), 3)).reshape(-1, 3)
+        sides = []
+        for sign in (AWAY, -AWAY):
+            passed = [saddle.x, saddle.x + sign * mode / np.linalg.norm(mode)]
+            one = optimise.minimum(self.surface, passed[1], saddle.hessian, longest=AWAY, passed=passed)
+            sides.append((one, passed))
+        out = min((Ends(saddle, near, far, up[::-1], down) for (near, up), (far, down) in (sides, sides[::-1])),
+                  key=lambda ends: self.apart(ends.near.x, a) + (0 if b is None else self.apart(ends.far.x, b)))
         out.far.x = geometry.aligned(out.far.x, self.x, masses)
         return out
 
-    def _path(self, ends):
+    def to_barrier(self, job):
+        """The Path to the first barrier of a torsion; where its `why` says that it is none, without nodes between."""
+        torsion, sign = self.jobs[job]
+        ends = self.driven_over(self.rest, torsion, sign)
+        out = Path([self.x, ends.saddle.x], [self.energy, ends.saddle.energy], nu1=ends.saddle.nu1, near=ends.near,
+                   far=ends.far)
         turns = self.turns_back(ends.near)
         if turns is None:
             at, one, two = (f"{self.above(p.energy):.2f} kJ/mol" for p in (ends.saddle, ends.near, ends.far))
-            raise optimise.NoPath(f"the saddle at {at} joins other minima, at {one} and {two}")
-        return Way(*path.nodes(self.surface, ends.saddle, ends.sign, self.rest, near=ends.near if turns else None, turns=turns))
+            return replace(out, why=f"the saddle at {at} joins other minima, at {one} and {two}")
+        try:
+            out.nodes, out.energies = path.nodes(self.surface, ends.up, self.rest, turns=turns)
+        except optimise.NoPath as why:
+            out.why = str(why)
+        return out
 
     def turns_back(self, near):
         """[(methyl group, angle)] that make the conformation of the near side of a saddle, since such groups may turn freely;

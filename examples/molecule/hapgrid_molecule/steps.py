@@ -3,7 +3,6 @@ what it computes is kept as files, which the user may change, so its result is w
 
 import itertools
 import os
-import shlex
 import time
 import timeit
 from dataclasses import dataclass, replace
@@ -142,7 +141,7 @@ def estimate(start):
     try:
         surface, shifts = start.surface(x), itertools.count(1)
         gradient = takes(lambda: surface.energy(x + 0.005 * next(shifts) * np.eye(*x.shape)))
-        step = takes(lambda: optimise.projected(np.eye(x.size), x)) + takes(lambda: start.tree.moved(x, 0.01 * np.cos(x)))
+        step = takes(lambda: optimise.projected(np.eye(x.size), x))
     except XtbError:
         return
     count = HESSIANS + ways * (HESSIANS + (HESSIANS_BEHIND if o.basins else 0)) * (1 + soft / FLEXIBLE)
@@ -156,16 +155,14 @@ def show(start, shapes, paths):
     o, kept = start.options, start.folder
     grid = f"{kept.name()}.grid"
     kept.step("pushing", "looking for the probe's ways that turn the molecule", [grid], [],
-              lambda: pushing.Ways(kept, grid, shapes, o.threads).write())
+              lambda: pushing.write(kept, grid, shapes, o.threads))
     made = [n for n in kept.made("pushing") if n.endswith(".txt")]
     if not made:
         raise Failed(f"{kept.path(grid)}: no way of the probe is found that pushes the molecule; hapgrid feel shows the grid")
     facts = [start.source, start.molecule.charge, start.molecule.unpaired, start.method]
     kept.step("page", "writing the page", [grid, *made, "rotors.tsv", "report.tsv", "verify.txt"], facts,
               lambda: page.write(start, start.turned_by(paths), made))
-    out = o.output.rstrip("/") or "/"
-    out = f"./{out}" if out.startswith("-") else out
-    kept.say(f"done: {out}/index.html sums up")
-    grid, way = (shlex.quote(os.path.join(out, name)) for name in (grid, made[0]))
+    kept.say(f"done: {kept.in_shell('index.html')} sums up")
+    grid, way = kept.in_shell(grid), kept.in_shell(made[0])
     kept.say(f"hapgrid feel {grid} is a page in which the mouse is the hand")
     return f"hapgrid play {grid} --device path:{way} --rate 1000 --frames - | hapgrid view --web"

@@ -4,8 +4,10 @@ What one process finds is kept as a file (search.Search); the results are taken 
 not depend on the number of processes.
 """
 
-from . import rotors, torsions
-from .results import Dropped, Path, Way
+from dataclasses import replace
+
+from . import beyond, ensemble, rotors, torsions
+from .results import Dropped, Path, Point
 from .search import Search
 from .xtb import BOHR
 
@@ -15,10 +17,9 @@ LOWER = 0.5  # kJ/mol: a minimum that is lower by this is another one
 
 def explore(start, shapes):
     """The Result of a molecule. shapes: of an ensemble, as Search has them."""
-    o = start.options
-    what, method, finish = ("following torsions from minimum to minimum", Search.beyond, _basins) if o.basins else (
-        "driving torsions to their barriers", Search.saddle, _paths)
-    keep = not start.search
+    o, keep = start.options, not start.search
+    what, method = ("following torsions from minimum to minimum", beyond.whole) if o.basins else (
+        "driving torsions to their barriers", Search.to_barrier)
     for left in reversed(range(1 if o.keep_conformation else RESTARTS + 1)):
         search, found = Search(start, shapes), {}
         search.find_conformation(keep)
@@ -26,66 +27,57 @@ def explore(start, shapes):
         minima = _minima(search) if shapes else []
         if minima:
             return _ensemble(search, minima)
-        for job, one in search.each(what, method, search.jobs):
+        for job, one in search.each(what, method, search.jobs, Path):
             found[job] = one
             if isinstance(one, Dropped):
                 search.say(f"{job}: {one.why}")
                 continue
-            search.say(f"{job}: {_points(search, one)}")
-            sides = [(energy, x) for kind, energy, x in one.points() if kind == "minimum" and search.intact(x)]
-            energy, shape = min(sides, key=lambda side: round(side[0], 6), default=(search.energy, search.x))
-            if search.above(energy) < -LOWER:
-                search.say(f"{job} leads to a minimum that is {-search.above(energy):.1f} kJ/mol lower"
+            points = _points(one)
+            search.say(f"{job}: {_words(search, points)}")
+            lowest = min((p for p in points if p[0] == "minimum" and search.intact(p[2])), key=lambda p: round(p[1], 6),
+                         default=None)
+            if lowest and search.above(lowest[1]) < -LOWER:
+                search.say(f"{job} leads to a minimum that is {-search.above(lowest[1]):.1f} kJ/mol lower"
                            + ": from there once more" * (left > 0))
                 if left:
                     break
         else:
-            return finish(search, found)
-        start.molecule.positions = shape * BOHR
+            return _turned(search, found)
+        start.molecule.positions = lowest[2] * BOHR
         keep = True
 
 
-def _points(search, one):
-    return ", ".join(f"{kind} {round(search.above(energy), 1) + 0:.1f}" for kind, energy, _ in one.points()) + " kJ/mol"
+def _points(one):
+    """[(kind, energy, shape)] of all that is stationary on the way of a Path, behind its barrier as well."""
+    return one.points() or [("minimum", one.near.energy, one.near.x), ("saddle", one.energies[-1], one.nodes[-1]),
+                            ("minimum", one.far.energy, one.far.x)]
 
 
-def _named(search, found, signed):
-    """rotors.names() of what was found, with what is dropped."""
+def _words(search, points):
+    return ", ".join(f"{kind} {round(search.above(energy), 1) + 0:.1f}" for kind, energy, _ in points) + " kJ/mol"
+
+
+def _turned(search, found):
+    """The Result of {job: its Path or Dropped}, with each saddle once."""
+    basins = search.start.options.basins
+    ways = {job: one for job, one in found.items() if not isinstance(one, Dropped)}
     dropped = {job: one for job, one in found.items() if isinstance(one, Dropped)}
     free = {search.jobs[job][0].name for job, one in dropped.items() if one.free}
-    ways = {job: one if isinstance(one, Way) else Way([search.x, one.saddle.x], [one.saddle.energy])
-            for job, one in found.items() if job not in dropped}
     named, other = rotors.names(search.torsions, {
         job: rotors.candidate(search.torsions, search.jobs[job][0], way, free) for job, way in ways.items()},
-        set(search.jobs), signed)
-    return named, [(job, one.why) for job, one in dropped.items()] + other
-
-
-def _paths(search, tops):
-    """The Result of paths to the saddles of {job: its Ends}, each saddle once."""
-    found, wanted = [], {}
-    named, dropped = _named(search, tops, True)
-    for job, name in named.items():
-        same = next((known for other, known in wanted.items() if search.same(tops[job].saddle.x, tops[other].saddle.x)), None)
-        if same is not None:
-            dropped.append((name, f"the saddle of {same}"))
+        set(search.jobs), not basins)
+    paths = []
+    for one in (replace(ways[job], name=name) for job, name in named.items()):
+        same = next((k.name for k in paths if not basins and search.same(k.nodes[-1], one.nodes[-1])), None)
+        if one.why:
+            search.say(f"{one.name}: no path: {one.why}")
+        if one.why or same:
+            other.append((one.name, one.why or f"the saddle of {same}"))
         else:
-            wanted[job] = name
-    for job, way in search.each("following paths to the barriers", Search.path, [job for job in tops if job in wanted]):
-        name, ends = wanted[job], tops[job]
-        if isinstance(way, Dropped):
-            dropped.append((name, way.why))
-            search.say(f"{name}: no path: {way.why}")
-        else:
-            found.append(Path(**vars(way), name=name, nu1=ends.saddle.nu1, far=ends.far))
-    return search.result(found, dropped)
-
-
-def _basins(search, ways):
-    """The Result of ways on behind their saddles. Behind the saddle of a methyl group is the same shape once more."""
-    named, dropped = _named(search, ways, False)
-    same = [(t.name, "the same shape lies behind its barrier") for t in search.driven if t.rotor]
-    return search.result([Path(**vars(ways[job]), name=name) for job, name in named.items()], same + dropped)
+            paths.append(one)
+    if basins:
+        other += [(t.name, "the same shape lies behind its barrier") for t in search.driven if t.rotor]
+    return search.result(paths, [(job, one.why) for job, one in dropped.items()] + other)
 
 
 # Paths between the minima of an ensemble
@@ -93,7 +85,7 @@ def _basins(search, ways):
 def _minima(search):
     """[(frame, minimum)] of the ensemble that are not the conformation, each once."""
     out, say = [], search.say
-    each = search.each("relaxing the ensemble", Search.minimum, [x for _, x in search.shapes])
+    each = search.each("relaxing the ensemble", ensemble.minimum, [x for _, x in search.shapes], Point)
     for (frame, _), (_, one) in zip(search.shapes, each):
         if isinstance(one, Dropped):
             say(f"frame {frame}: {one.why}")
@@ -108,7 +100,7 @@ def _minima(search):
 def _ensemble(search, minima):
     """The Result of paths to these minima. A path that turns one bond alone, and no ring, has its name."""
     found, dropped, say = [], [], search.say
-    ways = search.each("looking for paths between the minima", Search.between, [one for _, one in minima])
+    ways = search.each("looking for paths between the minima", ensemble.way, [one for _, one in minima], Path)
     for (frame, one), (_, way) in zip(minima, list(ways)):
         name = f"to-{frame}"
         passed = next((f.name for f in found for k in f.minima() if search.same(f.nodes[k], one.x)), None)
@@ -120,8 +112,9 @@ def _ensemble(search, minima):
         flips = [f"the ring {word}" for word in rotors.flipped(search.molecule, way.nodes)]
         if len(turning) == 1 and not flips and turning[0] not in [f.name for f in found]:
             name = turning[0]
-        found.append(Path(**vars(way), name=name))
-        say(f"frame {frame}: {name}, on which {', '.join(flips + turning) or 'no bond'} turns: {_points(search, way)}")
+        found.append(replace(way, name=name))
+        what = ", ".join(flips + turning) or "no bond"
+        say(f"frame {frame}: {name}, on which {what} turns: {_words(search, way.points())}")
     for name, why in dropped:
         say(f"{name}: no path: {why}")
     return search.result(found, dropped)

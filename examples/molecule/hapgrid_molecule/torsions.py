@@ -72,8 +72,7 @@ def scan(surface, minimum, torsion, sign, *, step=np.radians(10), highest=150 / 
             return (energy + STIFFNESS * off * off / 2,
                     gradient + STIFFNESS * off * geometry.torsion_gradient(y, *torsion.atoms))
         try:
-            y, _, hessian = optimise.search(restrained, turned, hessian + bend(turned), tolerance=3e-4,
-                                            steps=200, tree=surface.tree)
+            y, _, hessian = optimise.search(restrained, turned, hessian + bend(turned), tolerance=3e-4, steps=200)
         except optimise.NotConverged:
             turn = np.degrees(sign * step * count)
             raise optimise.NoPath(f"the scan did not relax at {turn:+.0f} degrees") from None

@@ -27,7 +27,7 @@ class Surface:
 
     positions: where the force field GFN-FF reads off its bonds. All later points of a molecule are
     computed with these bonds; otherwise the energy would jump where two atoms come close.
-    tree: internal coordinates along which searches step, see geometry.Tree. unpaired: electrons. solvent: around the
+    tree: internal coordinates, see geometry.Tree. unpaired: electrons. solvent: around the
     molecule, or None.
     """
 

@@ -2,7 +2,7 @@
 
 import argparse
 
-from hapgrid_command.cli import Parser, formatter, guarded, number
+from hapgrid_command.cli import EXIT_CODES, Parser, formatter, guarded, number
 
 from . import course
 
@@ -14,7 +14,7 @@ folder DIR. A run that was stopped continues there. A file in DIR that you
 change is kept, and the same command computes again what depends on it.
 """
 
-AFTERWARDS = """\
+AFTERWARDS = f"""\
 Files in DIR, whose name is NAME:
   index.html       summary with pictures
   NAME.toml        definition of the grid; NAME.grid is the grid itself
@@ -26,11 +26,7 @@ Between the points of the table the energy is a tricubic spline, and the force
 is its gradient. Without --wall, a wall is put at five times the height of the
 median above the minimum where values are higher or missing.
 
-exit codes:
-  0  done
-  1  could not: input, I/O, a model or another program
-  2  the command line is wrong
-  3  the grid breaks a rule: see verify.txt
+{EXIT_CODES}
 
 examples:
   hapgrid table receptor.C.map -o carbon

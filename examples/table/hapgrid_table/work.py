@@ -1,7 +1,5 @@
 """A folder with the one grid that follows from a definition, of `hapgrid table` or `hapgrid dock`."""
 
-import os
-import shlex
 import sys
 import tomllib
 
@@ -35,9 +33,8 @@ def course(command, o, define, page):
     work.step("page", "drawing pictures", [grid, "verify.txt"], [], lambda: page(work, name))
     if broken:
         raise broken
-    out = o.output.rstrip("/") or "/"
-    work.say(f"done: {out}/index.html sums up")
-    return f"hapgrid feel {shlex.quote(os.path.join(out, grid))}"
+    work.say(f"done: {work.in_shell('index.html')} sums up")
+    return f"hapgrid feel {work.in_shell(grid)}"
 
 
 class Work(Folder):

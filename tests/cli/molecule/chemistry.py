@@ -10,7 +10,7 @@ from types import SimpleNamespace
 sys.path.insert(0, sys.argv[1])
 from hapgrid_molecule import geometry, optimise, reading, results, rotors, search, singles, torsions, xtb
 from hapgrid_molecule.molecule import relaxed
-from hapgrid_molecule.results import Dropped, Ends, Path, Point, Way
+from hapgrid_molecule.results import Dropped, Path, Point
 from hapgrid_molecule.xtb import BOHR, HARTREE
 from hapgrid_command import programs
 import numpy as np
@@ -87,7 +87,7 @@ chain = np.array([[0, 1, -0.5], [0, 0, 0], [0, 0, 1.5], [0, 1.4, 2], [0.5, 1.5, 
 a, b = (torsions.Torsion(name, atoms, (), (1, -1), False) for name, atoms in (("a", (0, 1, 2, 3)), ("b", (1, 2, 3, 4))))
 turned = geometry.rotated_about(geometry.rotated_about(chain, 1, 2, [3, 4], deg(70)), 2, 3, [4], deg(20))
 for free, name in ((set(), "a-plus"), ({"a"}, "b-plus"), ({"a", "b"}, "b-plus")):
-    one = rotors.candidate([a, b], b, Way([chain, turned], [1.0]), free)
+    one = rotors.candidate([a, b], b, Path([chain, turned], [1.0]), free)
     names, _ = rotors.names([a, b], {"b-plus": one}, {"a-plus", "b-plus"}, True)
     assert names == {"b-plus": name}, (free, names)
 
@@ -107,13 +107,25 @@ for turn, other, energy, expected in ((70, 0, 0.05, -70), (70, 90, 0.05, None), 
         assert turns is None if expected is None else turns == [] and expected == 0, (turn, other, turns)
 
 
+# A step leads to the stationary point of a quadratic surface: to the lowest one, or along a climbed mode to the highest.
+# Where that is too far, no other step of this length leads lower.
+curvatures, slopes = np.array([-0.5, 1.0, 3.0]), np.array([0.1, -0.2, 0.3])
+assert np.allclose(optimise.step_within(curvatures, slopes, 0, 9.0), -slopes / curvatures)
+assert np.allclose(optimise.step_within(-curvatures[:1], slopes[:1], None, 9.0), -0.2)
+short = optimise.step_within(curvatures, slopes, None, 0.05)
+others = np.random.default_rng(1).normal(size=(1000, 3))
+others *= 0.05 / np.linalg.norm(others, axis=1)[:, None]
+assert abs(np.linalg.norm(short) - 0.05) < 1e-9, short
+assert short @ slopes + curvatures @ short**2 / 2 < (others @ slopes + others**2 @ curvatures / 2).min(), short
+
+
 # A rotor turns freely on a surface that is flat, and does not where the energy only climbs.
 class Bond:
-    """Hydrogen peroxide, held by springs, whose torsion has the energy slope times its angle."""
-    tree, masses = None, np.ones(4)
+    """Hydrogen peroxide, held by springs. rise(turn): the energy of its torsion from x on, and the slope of that."""
+    masses, renewal = np.ones(4), 3
 
-    def __init__(self, x, slope):
-        self.x, self.slope, self.start = x, slope, geometry.torsion(x, 0, 1, 2, 3)
+    def __init__(self, x, rise):
+        self.x, self.rise, self.start = x, rise, geometry.torsion(x, 0, 1, 2, 3)
 
     def __call__(self, x):
         pairs = [(0, 1), (1, 2), (2, 3), (0, 2), (1, 3)]
@@ -125,7 +137,8 @@ class Bond:
             gradient[i] += push
             gradient[j] -= push
         turn = geometry.wrapped(geometry.torsion(x, 0, 1, 2, 3) - self.start) % (2 * np.pi)
-        return energy + self.slope * turn, gradient + self.slope * geometry.torsion_gradient(x, 0, 1, 2, 3)
+        rise, slope = self.rise(turn)
+        return energy + rise, gradient + slope * geometry.torsion_gradient(x, 0, 1, 2, 3)
 
     def energy(self, x):
         return self(x)[0]
@@ -139,13 +152,20 @@ class Bond:
 place = np.array([[1.8, 0, -0.6], [0, 0, 0], [0, 0, 2.8], [0.9, 1.5, 3.4]])
 turn = torsions.Torsion("turn", (0, 1, 2, 3), (3,), (1,), True)
 for slope, why in ((0.0, "turns freely, without a barrier of 0.1 kJ/mol"), (1 / HARTREE, "no barrier within half a turn")):
-    bond = Bond(place, slope)
+    bond = Bond(place, lambda turn, slope=slope: (slope * turn, slope))
     try:
         torsions.scan(bond, Point(place, bond.energy(place), bond.hessian(place), 0.0), turn, 1)
         raise AssertionError("a barrier on a slope")
     except optimise.NoPath as no:
         assert str(no).startswith(why), no
 
+
+# On both sides of a barrier so low that its slope is hardly felt the way leads down, and not back over it.
+low = Bond(place, lambda turn: (1e-4 * np.cos(2 * turn), -2e-4 * np.sin(2 * turn)))
+for start in (-0.02, -0.01, 0.01, 0.02):
+    found = optimise.minimum(low, geometry.rotated_about(place, 1, 2, [3], start), longest=0.1)
+    turned = geometry.wrapped(geometry.torsion(found.x, 0, 1, 2, 3) - low.start)
+    assert abs(turned - np.copysign(np.pi / 2, start)) < 0.05, (start, turned)
 
 # Other energies: nodes a little below the conformation are left out, a path ends at its highest node, and a much lower node
 # becomes the conformation, from which its path leads both ways.
@@ -188,23 +208,25 @@ assert result.nu1 is None and result.found[1].far is None and result.dropped == 
 
 # What was kept of a step counts only in the form that the step gives it. Here are two atoms and, on a way, four nodes.
 pair, bend = np.array([[0.0, 0, 0], [0.0, 0, 1.5]]), np.full((6, 6), 0.5)
-low, top = Point(pair, -1.5, bend, 30.5), Point(pair, -1.25, bend, -20.5)
-for one in (low, Ends(top, -1, low, low), Way([pair] * 4, [-1.5] * 4, 3, {1: "saddle", 3: "minimum"}, "the end"), Dropped("why")):
+low = Point(pair, -1.5, bend, 30.5)
+for one in (low, Path([pair] * 4, [-1.5] * 4, 3, {1: "saddle", 3: "minimum"}, "the end"),
+            Path([pair] * 2, [-1.5, -1.25], nu1=-20.5, near=low, far=low), Dropped("why")):
     kept = json.loads(json.dumps(results.plain(one)))
     again = results.restored([type(one)], kept, 2)
     assert type(again) is type(one) and results.plain(again) == kept, one
-    assert not isinstance(one, Way) or again.kinds == one.kinds and again.minima() == [3], again
+    assert not isinstance(one, Path) or again.kinds == one.kinds and again.minima() == [3] * one.goes_on, again
 
     def refused(value, atoms=2, types=(type(one),)):
         try:
             return results.restored(types, value, atoms) is None
-        except ValueError:
+        except (ValueError, TypeError):
             return True
     assert all(refused(other) for other in (None, [], "x", 7, {}, [kept], {**kept, "more": 1})), one
     assert isinstance(one, Dropped) or refused(kept, 3) and refused(kept, types=[Dropped]), one
     for name in kept:
-        wrong = [None, {}, 10**400, float("nan"), [[1]], [[1], [1, 2]], ["x"], [[9, "saddle"]], [[0, "hill"]], {"why": "x"}]
-        wrong += [] if name == "why" else ["x"]
+        wrong = [{}, 10**400, float("nan"), [[1]], [[1], [1, 2]], ["x"], [[9, "saddle"]], [[0, "hill"]], {"why": "x"}]
+        wrong += [] if name in ("why", "name") else ["x"]
+        wrong += [] if isinstance(one, Path) and name in ("nu1", "near", "far") else [None]
         for value in wrong:
             assert refused({**kept, name: value}), (one, name, value)
 

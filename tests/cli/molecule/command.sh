@@ -88,6 +88,12 @@ assert numpy.abs(one.atoms.positions[:9] - start).max() < 6e-4
 END
 fi
 
+# Trimethylamine by GFN-FF, whose terms at the nitrogen change with the order of its bonds' lengths: the search keeps the
+# terms with which the conformation is a minimum, so the path of each methyl group climbs from there.
+hapgrid molecule --smiles 'CN(C)C' --method gfnff -o amine --until structures --quiet >line 2>&1 || fail "$(cat line)"
+python3 "$here/prepared_data.py" amine || fail "prepared data"
+same "paths" 3 "$(grep -cP '\tsaddle\t' amine/report.tsv)"
+
 # Again: nothing is computed. A definition that was changed by hand is kept, and its grid computed.
 salt=(hapgrid molecule salt.sdf -o salt --method gfnff --spacing 1.2)
 before=$(stat -c '%n %Y' salt/* | md5sum)
