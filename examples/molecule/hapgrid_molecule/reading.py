@@ -20,7 +20,7 @@ METALS = {3, 4, 11, 12, 13, *range(19, 32), *range(37, 51), *range(55, 85), *ran
 MOST_PIECES = 8  # of a record in which no piece is half of it: more are no molecules, but noise
 TRIPLE = 0.85  # of the sum of the covalent radii: a carbon whose only bond is longer has no triple bond
 # The last has too many neighbours to lie in a plane with them.
-CHARGED, CARBON_HYDROGEN, BULKY = map(Chem.MolFromSmarts, ("[C+,C-]", "[#1]~[#6]", "[D{4-}]"))
+CARBON_HYDROGEN, BULKY = map(Chem.MolFromSmarts, ("[#1]~[#6]", "[D{4-}]"))
 NAMED = 4
 
 
@@ -89,7 +89,7 @@ def _one(given, charge, unpaired):
     """What makes a Molecule, as JSON can hold it."""
     for record in given.records:
         _refuse_no_coordinates(given, record)
-    record = _largest(given)
+    record, others = _largest(given)
     charge = record.charge if charge is None else charge
     unpaired = record.unpaired if unpaired is None else unpaired
     for atom in record.mol.GetAtoms():
@@ -103,7 +103,8 @@ def _one(given, charge, unpaired):
     mol, built = _completed(given, record, charge, unpaired)
     charge = Chem.GetFormalCharge(mol) if charge is None else charge
     _check(places_of(mol), given.what)
-    return {**_plain(mol), "charge": charge, "unpaired": unpaired or 0, "built": built, "said": given.said}
+    said = [_left_out(given, mol, charge, others)] if others else []
+    return {**_plain(mol), "charge": charge, "unpaired": unpaired or 0, "built": built, "said": said + given.said}
 
 
 def _plain(mol):
@@ -130,9 +131,8 @@ def _refuse_no_coordinates(given, record):
 
 
 def _largest(given):
-    """The formats.Record of the one molecule that is felt. One rule holds for the records of a file, for the pieces of a
-    record, and for SMILES with dots: that with the most atoms beside hydrogen, then with the most atoms, then the first. What
-    is left out is named, with its charge."""
+    """(the formats.Record of the one molecule that is felt, the others). One rule holds for the records of a file, for the pieces
+    of a record, and for SMILES with dots: that with the most atoms beside hydrogen, then with the most atoms, then the first."""
     parts = []
     for record in given.records:
         some = Chem.GetMolFrags(record.mol, asMols=True, sanitizeFrags=False)
@@ -149,15 +149,15 @@ def _largest(given):
     if one.mol.GetNumAtoms(onlyExplicit=False) == 1 and others:
         raise BadInput(f"{given.what}: only single atoms or ions, {_counted(parts)}: none has a shape to feel: "
                        "give a molecule with bonds")
-    if others:
-        metals = sorted({a.GetSymbol() for p in others for a in p.mol.GetAtoms() if a.GetAtomicNum() in METALS})
-        given.say(f"{given.what}: {len(parts)} molecules or shapes: the largest is taken, "
-                  f"{rdMolDescriptors.CalcMolFormula(one.mol)} with charge {signed(Chem.GetFormalCharge(one.mol))}; left out: "
-                  + _counted(others)
-                  + ("".join(f"; {m} is a metal and is not felt" for m in metals))
-                  + ("; the file's charge is of all pieces: --charge gives that of the one"
-                     if any(r.charge for r in given.records) and one not in given.records else ""))
-    return one
+    return one, others
+
+
+def _left_out(given, mol, charge, others):
+    """What is taken, and what is not."""
+    metals = sorted({a.GetSymbol() for p in others for a in p.mol.GetAtoms() if a.GetAtomicNum() in METALS})
+    return (f"{given.what}: {len(others) + 1} molecules or shapes: the largest is taken, {rdMolDescriptors.CalcMolFormula(mol)} "
+            f"with charge {signed(charge)}; left out: {_counted(others)}"
+            + ("".join(f"; {m} is a metal and is not felt" for m in metals)))
 
 
 def _counted(parts):
@@ -170,18 +170,10 @@ def _counted(parts):
 
 def _completed(given, record, charge, unpaired):
     """(the molecule with all hydrogens and a shape, whether that was built)."""
-    what, mol, x = given.what, record.mol, places_of(record.mol)
-    check_count(mol.GetNumAtoms(onlyExplicit=False), what)
-    if given.kind == "xyz" and unpaired is None and charge is None:
-        _refuse_without_hydrogen(mol, what)
-    if given.kind in ("pdb", "mol2") or given.kind == "sdf" and record.known and not is_flat(x):
-        mol = _add_no_hydrogen_to_the_whole(mol, given, charge, unpaired)
-    if given.kind != "smi" or charge is not None:
-        Chem.SanitizeMol(mol, Chem.SANITIZE_KEKULIZE, catchErrors=True)
-        mol = valences.closed(mol, what, charge, unpaired, not record.known and all(
-            a.GetTotalNumHs() == 0 for a in mol.GetAtoms()))
-    mol = building.understood(mol, what, given.kind == "xyz" or charge is not None or unpaired is not None)
+    what, x = given.what, places_of(record.mol)
     nowhere = np.ptp(x, axis=0).max() < 0.1 and len(x) > 1
+    mol = _closed(given, record.mol, nowhere, charge, unpaired)
+    mol = building.understood(mol, what, given.kind == "xyz" or charge is not None or unpaired is not None)
     added = mol.GetNumAtoms(onlyExplicit=False) - mol.GetNumAtoms()
     if given.kind == "smi":
         free = {a.GetIdx(): a.GetNumRadicalElectrons() for a in mol.GetAtoms() if a.GetNumRadicalElectrons()}
@@ -201,6 +193,43 @@ def _completed(given, record, charge, unpaired):
         raise BadInput(f"{what}: no coordinates, and XYZ has no bonds to build a shape from: give an SDF file or --smiles")
     given.say(f"{what}: {'no coordinates' if nowhere else 'flat'}: a shape was built")
     return _built(mol, given), True
+
+
+def _closed(given, mol, nowhere, charge, unpaired):
+    """The molecule with bonds, charges and numbers of hydrogens that fit each other. nowhere: whether it has no coordinates."""
+    what, total, finds = given.what, Chem.GetFormalCharge(mol), given.kind in ("pdb", "mol2") and not nowhere
+    if given.kind == "xyz" and unpaired is None and charge is None:
+        _refuse_without_hydrogen(mol, what)
+    filled = valences.hydrogens_set(mol, Chem.Atom.GetTotalNumHs)  # as RDKit counts them
+    if finds:
+        filled = _filled(mol, total) or _filled(mol, None) or filled
+    check_count(filled.GetNumAtoms(onlyExplicit=False), what)
+    if given.kind == "smi" and charge is None:
+        return mol
+    drawn = nowhere or given.kind == "smi" or given.kind == "sdf" and is_flat(places_of(mol))
+    lack = sum(atom.GetTotalNumHs() > 0 for atom in filled.GetAtoms())
+    if drawn or len(mol.GetSubstructMatches(CARBON_HYDROGEN, maxMatches=10000)) < lack:
+        if finds and charge not in (None, total):
+            filled = _filled(mol, charge) or filled
+        Chem.SanitizeMol(filled, Chem.SANITIZE_KEKULIZE, catchErrors=True)
+        return valences.closed(filled, what, charge, unpaired)
+    # Where most carbons have their hydrogens the file has all that there are, and other bonds or charges are looked for.
+    bare = valences.hydrogens_set(mol, lambda atom: 0)
+    if finds and not is_flat(places_of(mol)):  # lengths and hydrogens tell more than what programs write to MOL2
+        for bond in bare.GetBonds():
+            bond.SetBondType(Chem.BondType.UNSPECIFIED)
+    return valences.closed(bare, what, charge, unpaired, filled if lack else None)
+
+
+def _filled(mol, total):
+    """With the hydrogens that fit its shape and a total charge, or None. Where charges are is found by closed()."""
+    out = Chem.Mol(mol)
+    for atom in out.GetAtoms():
+        atom.SetNoImplicit(False)
+    out = valences.assigned(out, total, 0)[0]
+    for atom, before in zip(out.GetAtoms(), mol.GetAtoms()) if out else ():
+        atom.SetFormalCharge(before.GetFormalCharge())
+    return out
 
 
 def _built(mol, given):
@@ -224,35 +253,6 @@ def _refuse_without_hydrogen(mol, what):
                                          len(near) == 2 and geometry.angle(x, near[0], at, near[1]) < valences.STRAIGHT):
             raise BadInput(f"{what}: C{at + 1} lacks hydrogen, and XYZ has no bonds to add it by: give an SDF file or --smiles; "
                            "an ion needs --charge, a radical --uhf")
-
-
-def _add_no_hydrogen_to_the_whole(mol, given, charge, unpaired):
-    """The molecule with the numbers of hydrogens that are to be added. Where most carbons have their hydrogens the file has
-    all that there are, and other bonds or charges are looked for. Where these only fit an ion whose charges are on nitrogen,
-    oxygen and sulphur, it is that."""
-    for atom in mol.GetAtoms():
-        atom.SetNumExplicitHs(atom.GetTotalNumHs())
-        atom.SetNoImplicit(True)
-    lack = {a.GetIdx(): a.GetNumExplicitHs() for a in mol.GetAtoms() if a.GetNumExplicitHs()}
-    if len(mol.GetSubstructMatches(CARBON_HYDROGEN, maxMatches=10000)) < len(lack):
-        # Open Babel does not see all double bonds of a PDB file, but their lengths tell them.
-        total = Chem.GetFormalCharge(mol) if charge is None else charge
-        return mol if given.kind != "pdb" else valences.assigned(mol, total, 0, True, True)[0] or mol
-    bare = Chem.Mol(mol)
-    for n in lack:
-        bare.GetAtomWithIdx(n).SetNumExplicitHs(0)
-    total = Chem.GetFormalCharge(mol) if charge is None else charge
-    ways = {"sdf": [False], "mol2": [False, True], "pdb": [True]}[given.kind]
-    whole = [one for one in (valences.assigned(bare, total, unpaired or 0, free)[0] for free in ways) if one is not None]
-    if whole:
-        return min(whole, key=lambda one: len(one.GetSubstructMatches(CHARGED)))
-    ion = valences.assigned(bare, None, unpaired or 0, ways[-1])[0] if lack and charge is None else None
-    atoms = ion and valences.opened(bare, ion)
-    if not atoms or any(mol.GetAtomWithIdx(n).GetAtomicNum() not in (7, 8, 16) for n in atoms):
-        return mol
-    raise BadInput(f"{given.what}: {valences.named(mol, atoms)} {'lacks' if len(atoms) == 1 else 'lack'} hydrogen, and all "
-                   f"other atoms have theirs: give --charge {signed(Chem.GetFormalCharge(ion))} for the ion, or a file without "
-                   "hydrogens, which are then added")
 
 
 def _check(x, what, most=MOST_ATOMS):

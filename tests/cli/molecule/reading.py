@@ -191,7 +191,7 @@ def hostile():
     for n in range(len(INPUTS)):
         name = INPUTS[n % len(INPUTS)]
         content = bytearray(open(f"{HERE}/inputs/{name}", "rb").read())
-        for _ in range(chance.randrange(1, 6)):
+        for _ in range(chance.randrange(1, 3)):
             at = chance.randrange(len(content))
             if chance.random() < 0.5:
                 content[at] = chance.choice(b"0123456789-+. \nACHNOMV*\xff")
