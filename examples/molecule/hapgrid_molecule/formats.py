@@ -15,7 +15,6 @@ from .elements import NUMBERS
 from .molecule import BadInput, is_flat, numbers_of, placed, places_of, unsanitized
 
 KINDS = {"sdf": "sdf", "mol": "sdf", "xyz": "xyz", "mol2": "mol2", "pdb": "pdb", "ent": "pdb"}
-MOST_RECORDS = 1000
 MOST_ATOMS = 100
 MOST_CHARGE = 9
 AMINO_ACIDS = set("ALA ARG ASN ASP CYS GLN GLU GLY HIS ILE LEU LYS MET PHE PRO SER THR TRP TYR VAL ACE NME".split())
@@ -42,11 +41,6 @@ class Input:
     def say(self, text):
         if text not in self.said:
             self.said.append(text)
-
-    def add(self, record):
-        if len(self.records) == MOST_RECORDS:
-            raise BadInput(f"{self.what}: more than {MOST_RECORDS} records: give the one to feel")
-        self.records.append(record)
 
 
 def decoded(content, what):
@@ -97,7 +91,7 @@ def _sdf(text, given):
         if mol.GetNumBonds() == 0 and mol.GetNumAtoms() > 1 and np.ptp(x, axis=0).max() > 0.1:
             given.say("no bonds are in the file: they are found from the distances")
             mol = with_bonds(numbers_of(mol), x)
-        given.add(Record(mol, drawing, unpaired=unpaired))
+        given.records.append(Record(mol, drawing, unpaired=unpaired))
 
 
 def _understood(reader, text, given, **options):
@@ -146,7 +140,7 @@ def _xyz(text, given):
         frames = [frames[order[0]]]
     for one in frames:
         charge, unpaired = _charge_in(one.title, given.what)
-        given.add(Record(placed(unsanitized(one.numbers, [0] * len(one.x), ()), one.x), charge=charge, unpaired=unpaired))
+        given.records.append(Record(placed(unsanitized(one.numbers, [0] * len(one.x), ()), one.x), charge=charge, unpaired=unpaired))
 
 
 def _charge_in(title, what):
@@ -155,14 +149,12 @@ def _charge_in(title, what):
     pair = re.fullmatch(r"\s*([+-]?\d)\s+([1-9])\s*", title)
     if pair:
         return int(pair[1]), int(pair[2]) - 1
-    found = re.search(r"\b(?:total[_ ]?)?(?:charge|chrg)\s*[=: ]\s*([+-]?\d+)\b(?!\.\d*[1-9])", title, re.I)
+    charge = re.search(r"\b(?:total[_ ]?)?(?:charge|chrg)\s*[=: ]\s*([+-]?\d+)\b(?!\.\d*[1-9])", title, re.I)
     spin = re.search(r"\b(?:multiplicity|mult|spin_multiplicity)\s*[=: ]\s*(\d+)\b", title, re.I)
-    if found and abs(int(found[1])) > MOST_CHARGE:
-        raise BadInput(f"{what}: the title says charge {found[1]}, a charge is from -{MOST_CHARGE} to {MOST_CHARGE}: correct "
-                       "the title")
-    if spin and not 1 <= int(spin[1]) <= MOST_CHARGE + 1:
-        raise BadInput(f"{what}: the title says multiplicity {spin[1]}, it is from 1 to {MOST_CHARGE + 1}: correct the title")
-    return int(found[1]) if found else None, int(spin[1]) - 1 if spin else None
+    for found, least, most in ((charge, -MOST_CHARGE, MOST_CHARGE), (spin, 1, MOST_CHARGE + 1)):
+        if found and not least <= int(found[1]) <= most:
+            raise BadInput(f"{what}: the title says {found[0]}, it is from {least} to {most}: correct the title")
+    return int(charge[1]) if charge else None, int(spin[1]) - 1 if spin else None
 
 
 def energy_in(title):
@@ -187,25 +179,22 @@ def lowest_first(frames):
 # right-aligned in 12-13 but for hydrogens whose name has four letters; 16 the alternate location, 17-19 the residue, 21-26
 # its place, 54-59 the occupancy, 76-77 the element, 78-79 the charge.
 
-PDB_ATOM = ("ATOM  ", "HETATM")
-
-
 def _pdb(text, given):
     for block in re.split(r"^END(?:MDL)?\s*$", text, flags=re.M):
-        lines = [line for line in block.split("\n") if line.startswith(PDB_ATOM)]
+        lines = [f"{line:<80}" for line in block.split("\n") if line.startswith(("ATOM  ", "HETATM"))]
+        lines = _without_alternates(lines, given.say)
         if not lines:
             continue
-        lines = _without_alternates(lines, given.say)
         check_count(len(lines), given.what, 40 * MOST_ATOMS)
         try:
-            x = np.array([[float(line[k:k + 8]) for k in (30, 38, 46)] for line in lines])
+            x = np.array([[xyz.finite(line[k:k + 8]) for k in (30, 38, 46)] for line in lines])
         except ValueError:
             raise BadInput(f"{given.what}: an atom's coordinates are not in columns 31 to 54, where PDB has them") from None
         mol = with_bonds([_element(line) for line in lines], x, [_charge(line) for line in lines])
         check_count(max(2, *map(len, Chem.GetMolFrags(mol))), given.what)
         for atom in mol.GetAtoms():  # one that stands alone is an ion, or water
             atom.SetNoImplicit(atom.GetDegree() > 0 or atom.GetAtomicNum() != 8)
-        given.add(Record(mol))
+        given.records.append(Record(mol))
 
 
 def _without_alternates(lines, say):
@@ -245,16 +234,14 @@ def _charge(line):
 def _mol2(text, given):
     for block in re.split(r"^@<TRIPOS>MOLECULE", text, flags=re.M)[1:]:
         mol = _understood(Chem.MolFromMol2Block, f"@<TRIPOS>MOLECULE{block}", given, cleanupSubstructures=False)
-        dummies = re.findall(r"^(?:\s*\S+){5}\s+(?:LP|DU)\b", block, flags=re.M | re.I)
-        if dummies:  # RDKit leaves out the lone pairs
-            given.say(f"{len(dummies)} lone pairs or dummy atoms are left out")
-            mol = Chem.RWMol(mol)
-            for n in reversed([a.GetIdx() for a in mol.GetAtoms() if a.GetAtomicNum() == 0]):
-                mol.RemoveAtom(n)
         told = re.findall(r"^\s*(\d+)\s+\d+\s*\ncharge\s+([+-]?\d)\s*$", block, flags=re.M)
         for atom in mol.GetAtoms():  # RDKit's guess takes all hydrogens to be there
             atom.SetFormalCharge(int(dict(told).get(str(atom.GetIdx() + 1), 0)))
-        given.add(Record(mol))
+        dummies = re.findall(r"^(?:\s*\S+){5}\s+(?:LP|DU)\b", block, flags=re.M | re.I)
+        if dummies:  # RDKit leaves out the lone pairs
+            given.say(f"{len(dummies)} lone pairs or dummy atoms are left out")
+            mol = Chem.DeleteSubstructs(mol, Chem.MolFromSmarts("[#0]"))
+        given.records.append(Record(mol))
 
 
 # Bonds by distances

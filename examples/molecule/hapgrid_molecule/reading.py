@@ -38,14 +38,10 @@ def read(path, smiles, charge=None, unpaired=None):
         return _one(given, charge, unpaired)
     one = Molecule(what, **confined.run(work, what))
     electrons = sum(one.numbers) - one.charge
-    if electrons < 1:
-        raise BadInput(f"{what}: no electrons are left with charge {signed(one.charge)}: give the right --charge")
-    if electrons % 2 == one.unpaired % 2 and one.unpaired <= electrons:
-        return one
-    if one.unpaired:
-        raise BadInput(f"{what}: {electrons} electrons, of which {one.unpaired} cannot be the unpaired ones (--uhf)")
-    raise BadInput(f"{what}: {electrons} electrons with charge {signed(one.charge)}: a radical needs --uhf 1; otherwise "
-                   "give the right --charge")
+    if electrons < max(1, one.unpaired) or (electrons - one.unpaired) % 2:
+        raise BadInput(f"{what}: {electrons} electrons with charge {signed(one.charge)} do not go with {one.unpaired} unpaired ones: "
+                       "give the right --charge, or --uhf 1 for a radical")
+    return one
 
 
 def sdf(one):
@@ -226,7 +222,7 @@ def _filled(mol, total):
     out = Chem.Mol(mol)
     for atom in out.GetAtoms():
         atom.SetNoImplicit(False)
-    out = valences.assigned(out, total, 0)[0]
+    out = valences.assigned(out, total, 0)
     for atom, before in zip(out.GetAtoms(), mol.GetAtoms()) if out else ():
         atom.SetFormalCharge(before.GetFormalCharge())
     return out

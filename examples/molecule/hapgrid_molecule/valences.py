@@ -24,8 +24,8 @@ ON = {(6, -1): 2.5, (6, 1): 2.5, (7, -1): 1.2, (5, -1): 0.5, (15, 1): 0.8, (15, 
 HIGHER = 0.3  # each valence above the first one
 FIVE = 3.0  # nitrogen's, as many programs write a nitro group; RDKit writes it with charges
 UNPAIRED = 4.0
-UNCLEAR = 1.0  # two charges whose costs differ by less are both named
 HYDROGEN = 0.005  # so that a bond is a double one where its length tells nothing
+UNCLEAR = 1.0  # two charges whose costs differ by less are both named
 EVEN = 1e-4  # by the square of an atom's number of hydrogens: no NH3+ where two NH2 are as good, as in guanidinium
 # An atom with three neighbours and a hydrogen is half an angstrom above their plane, one without lies in it.
 HEIGHT, LIFTED = 0.22, 5.0  # half of that, and what it costs to be off by an angstrom
@@ -61,8 +61,8 @@ def _states(atom, radicals):
 
 
 def assigned(mol, charge, unpaired):
-    """(a copy of RDKit's molecule with orders of bonds, formal charges and hydrogens for its total charge and number of unpaired
-    electrons, what it costs), or (None, inf) where there are none. charge, unpaired: None for whatever costs least.
+    """A copy of RDKit's molecule with orders of bonds, formal charges and hydrogens for its total charge and number of unpaired
+    electrons, with its property "cost", or None where there are none. charge, unpaired: None for whatever costs least.
 
     Bonds that are UNSPECIFIED or AROMATIC get an order by their lengths. Atoms that may have implicit hydrogens get these by
     the places of their neighbours.
@@ -80,7 +80,7 @@ def assigned(mol, charge, unpaired):
     for n in range(len(atoms)):
         bounds.update({("state", n): (1, 1), ("valence", n): (0, 0), ("double", n): (0, 1)})
     bounds.update({("order", n): (1, 1) for n in range(len(bonds))})
-    choices = []  # (what is chosen for which atom or bond, its cost, {equation: what it adds})
+    choices = []  # (atom or bond, what is chosen for it, cost, {equation: what it adds})
     for n, atom in enumerate(atoms):
         z, is_open = atom.GetAtomicNum(), not atom.GetNoImplicit()
         each = _hydrogen_cost(atom, x, pyrroles) if is_open else 0.0
@@ -89,39 +89,49 @@ def assigned(mol, charge, unpaired):
                 if is_open and (n in straight and (order, hydrogens) != (4, 0) or z == 6 and q and n not in beside or
                                 (z, order) == (7, 5)):
                     continue
-                choices.append((_set_state, n, (q, spins, hydrogens), cost + each * hydrogens + EVEN * hydrogens**2, {
+                choices.append((n, (q, spins, hydrogens), cost + each * hydrogens + EVEN * hydrogens**2, {
                     ("state", n): 1, ("valence", n): hydrogens - order, "charge": q, "unpaired": spins}))
     for n, bond in enumerate(bonds):
         ends = bond.GetBeginAtomIdx(), bond.GetEndAtomIdx()
         for order in _orders(bond):
             # The last bonds are single where nothing else tells.
-            cost = OFF * abs(share[ends] - LENGTHS[order - 1]) + 1e-6 * n * order
-            choices.append((_set_order, n, (order,), cost, {
+            choices.append((n, order, OFF * abs(share[ends] - LENGTHS[order - 1]) + 1e-6 * n * order, {
                 ("order", n): 1, **{("valence", at): order for at in ends},
                 **{("double", at): 1 for at in ends if order > 1 and at in bent}}))
-    matrix, rows = np.zeros((len(bounds), len(choices))), {name: k for k, name in enumerate(bounds)}
-    for k, choice in enumerate(choices):
-        for name, number in choice[-1].items():
+    rows = {name: k for k, name in enumerate(bounds)}
+    matrix = np.zeros((len(bounds), len(choices)))
+    for k, (*_, column) in enumerate(choices):
+        for name, number in column.items():
             matrix[rows[name], k] = number
-    found = optimize.milp([choice[3] for choice in choices], integrality=np.ones(len(choices)), bounds=optimize.Bounds(0, 1),
-                          constraints=optimize.LinearConstraint(matrix, *zip(*bounds.values())), options={"time_limit": SECONDS, "presolve": False})
+    # With its presolve the solver of Debian 12 gives answers that break the equations.
+    found = optimize.milp([cost for *_, cost, _ in choices], integrality=np.ones(len(choices)), bounds=optimize.Bounds(0, 1),
+                          constraints=optimize.LinearConstraint(matrix, *zip(*bounds.values())),
+                          options={"time_limit": SECONDS, "presolve": False})
     if found.x is None:
-        return None, np.inf
+        return None
     out = Chem.RWMol(mol)
     for k in np.flatnonzero(found.x > 0.5):
-        set_it, n, value, _, _ = choices[k]
-        set_it(out, n, *value)
+        n, value, *_ = choices[k]
+        one = out.GetAtomWithIdx(n) if isinstance(value, tuple) else out.GetBondWithIdx(n)
+        one.SetIsAromatic(False)
+        if isinstance(value, tuple):
+            charge, radicals, hydrogens = value
+            one.SetFormalCharge(charge)
+            one.SetNumRadicalElectrons(radicals)
+            one.SetNumExplicitHs(hydrogens)
+            one.SetNoImplicit(True)
+        else:
+            one.SetBondType(Chem.BondType.values[value])
     out.UpdatePropertyCache(strict=False)
-    return out.GetMol(), found.fun
+    out.SetDoubleProp("cost", found.fun)
+    return out.GetMol()
 
 
 def _orders(bond):
     """Those that it may have."""
-    if bond.GetBondType() == Chem.BondType.AROMATIC:
-        return 1, 2
-    if bond.GetBondType() == Chem.BondType.UNSPECIFIED:
-        return (1,) if 1 in (bond.GetBeginAtom().GetAtomicNum(), bond.GetEndAtom().GetAtomicNum()) else (1, 2, 3)
-    return (int(bond.GetBondTypeAsDouble()),)
+    if bond.GetBondType() not in (Chem.BondType.UNSPECIFIED, Chem.BondType.AROMATIC):
+        return [int(bond.GetBondTypeAsDouble())]
+    return [1] if 1 in (bond.GetBeginAtom().GetAtomicNum(), bond.GetEndAtom().GetAtomicNum()) else [1, 2, 3]
 
 
 def _is_straight(atom, x):
@@ -142,27 +152,6 @@ def _hydrogen_cost(atom, x, pyrroles):
     return OXIDE if z == 8 and short else HYDROGEN
 
 
-def partial_charge(mol):
-    """The sum of a MOL2 file's partial charges; None where there are none."""
-    given = [float(a.GetProp(PARTIAL)) for a in mol.GetAtoms() if a.HasProp(PARTIAL)]
-    return round(sum(given)) if any(given) else None
-
-
-def _set_state(mol, n, charge, radicals, hydrogens):
-    atom = mol.GetAtomWithIdx(n)
-    atom.SetIsAromatic(False)
-    atom.SetFormalCharge(charge)
-    atom.SetNumRadicalElectrons(radicals)
-    atom.SetNumExplicitHs(hydrogens)
-    atom.SetNoImplicit(True)
-
-
-def _set_order(mol, n, order):
-    bond = mol.GetBondWithIdx(n)
-    bond.SetIsAromatic(False)
-    bond.SetBondType(Chem.BondType.values[order])
-
-
 def closed(mol, what, charge, unpaired, filled=None):
     """The molecule with bonds and charges that fit what was said of it. charge, unpaired: that, or None; filled: the same with
     hydrogens added, which is taken where the molecule fits no ion whose charges are on nitrogen, oxygen and sulphur. Where
@@ -170,10 +159,10 @@ def closed(mol, what, charge, unpaired, filled=None):
     total = Chem.GetFormalCharge(mol) if charge is None else charge
     electrons = sum(a.GetAtomicNum() + a.GetTotalNumHs() for a in mol.GetAtoms()) - total
     is_odd = (electrons - (unpaired or 0)) % 2 == 1
-    one = None if is_odd else assigned(mol, total, unpaired or 0)[0]
+    one = None if is_odd else assigned(mol, total, unpaired or 0)
     if one is not None:
         return one
-    best, cost = assigned(mol, None, unpaired or 0)
+    best = assigned(mol, None, unpaired or 0)
     atoms = opened(mol, best) if best else []
     if filled and (charge is not None or not atoms or any(mol.GetAtomWithIdx(n).GetAtomicNum() not in (7, 8, 16) for n in atoms)):
         return closed(filled, what, charge, unpaired)
@@ -187,13 +176,14 @@ def closed(mol, what, charge, unpaired, filled=None):
     if charge is not None:
         raise BadInput(f"{what}: its bonds fit --charge {signed(fits)}, and not {signed(charge)}: correct it, or give --uhf "
                        f"{unpaired or 0} as well, with which it is computed all the same")
-    if fits == partial_charge(mol):
+    partial = [float(a.GetProp(PARTIAL)) for a in mol.GetAtoms() if a.HasProp(PARTIAL)]
+    if any(partial) and fits == round(sum(partial)):
         return best
-    advice = f"--charge {signed(fits)}"
-    if assigned(mol, 2 * total - fits, unpaired or 0)[1] < cost + UNCLEAR:
-        advice += f" or {signed(2 * total - fits)}"
+    opposite = assigned(mol, 2 * total - fits, unpaired or 0)
+    is_unclear = opposite and opposite.GetDoubleProp("cost") < best.GetDoubleProp("cost") + UNCLEAR
+    fit = f"{signed(fits)} or {signed(2 * total - fits)}" if is_unclear else signed(fits)
     have, them = ("has an open valence", "it") if len(atoms) == 1 else ("have open valences", "them")
-    raise BadInput(f"{what}: {named(mol, atoms)} {have}, and no charge is given: {advice} closes {them}"
+    raise BadInput(f"{what}: {named(mol, atoms)} {have}, and no charge is given: --charge {fit} closes {them}"
                    + ("; a radical needs --uhf 1" if is_odd else "")
                    + ("; without any hydrogens in the file, all are added" if filled else ""))
 
@@ -209,11 +199,11 @@ def hydrogens_set(mol, count):
 
 def singled(mol):
     """Where the order of a bond is open it is a single one."""
-    out = Chem.RWMol(mol)
+    out = Chem.Mol(mol)
     for bond in out.GetBonds():
         if bond.GetBondType() == Chem.BondType.UNSPECIFIED:
             bond.SetBondType(Chem.BondType.SINGLE)
-    return out.GetMol()
+    return out
 
 
 def opened(mol, best):

@@ -4,7 +4,7 @@ source "$(dirname "$0")/../lib.sh"
 source "$here/xtb.bash"
 
 bad() { refuses "molecule: $1" -- hapgrid molecule "${@:2}" -o bad; }
-bad "SMILES '\[CH3\]': 9 electrons with charge 0: a radical needs --uhf 1; otherwise give the right --charge" \
+bad "SMILES '\[CH3\]': 9 electrons with charge 0 do not go with 0 unpaired ones: give the right --charge, or --uhf 1 for a radical" \
   --smiles '[CH3]'
 bad "SMILES 'C\[Zn\]C': Zn2 is a metal, .*: take the part without it" --smiles 'C[Zn]C'
 bad "SMILES 'CCC\(': not understood" --smiles 'CCC('
@@ -27,7 +27,7 @@ xyz Qq 0 0 0 C 0 0 1 O 1 1 1 >symbol.xyz
 bad 'symbol\.xyz: atom 1 is of no known element: correct its symbol' symbol.xyz
 bad "SMILES '\[Na\+\]\.\[Cl-\]': only single atoms or ions, Na\+ with charge \+1, Cl- with charge -1: none has a shape \
 to feel: give a molecule with bonds" --smiles '[Na+].[Cl-]'
-bad "SMILES 'CCO': 26 electrons, of which 1 cannot be the unpaired ones \(--uhf\)" --smiles CCO --uhf 1
+bad "SMILES 'CCO': 26 electrons with charge 0 do not go with 1 unpaired ones: give the right --charge, or --uhf 1 for a radical" --smiles CCO --uhf 1
 rm -- *.sdf *.xyz obabel.log
 expect 2 '' 'molecule: give either FILE or --smiles (see --help)' -- hapgrid molecule -o bad
 nothing_left .

@@ -115,7 +115,7 @@ def groups():
         assert reading.read(path, None).formula == formula, formula
     for smiles, charge, why in (
             ("CC(=O)[O-]", 3, "its bonds fit --charge -1, and not +3"), ("C1CC1", 2, "its bonds fit --charge 0, and not +2"),
-            ("c1cc[nH]c1", 1, "35 electrons with charge +1: a radical needs --uhf 1"), ("[H][H]", 2, "its bonds fit --charge 0")):
+            ("c1cc[nH]c1", 1, "35 electrons with charge +1 do not go with 0 unpaired ones"), ("[H][H]", 2, "its bonds fit --charge 0")):
         try:
             reading.read(None, smiles, charge)
             raise AssertionError(f"{smiles} {charge}")
