@@ -90,7 +90,7 @@ def _sdf(text, given):
             mol = _understood(Chem.MolFromMolBlock, "\n".join(lines), given, strictParsing=False)
         if mol.GetNumBonds() == 0 and mol.GetNumAtoms() > 1 and np.ptp(x, axis=0).max() > 0.1:
             given.say("no bonds are in the file: they are found from the distances")
-            mol = with_bonds(numbers_of(mol), x)
+            mol = with_bonds(numbers_of(mol), x, given.what)
         given.records.append(Record(mol, drawing, unpaired=unpaired))
 
 
@@ -104,12 +104,10 @@ def _understood(reader, text, given, **options):
 
 def _with_header(lines, given):
     """The lines with three of a header, as the format has it; None where there is no line of counts."""
-    at = next((n for n, line in enumerate(lines[:8]) if re.search(r"V[23]000\s*$", line)), None)
+    counts = re.compile(r"V[23]000\s*$|^[ \d]{2}\d[ \d]{2}\d( |$)")
+    at = next((n for n, line in enumerate(lines[:8]) if counts.search(line)), None)
     if at is None:
-        at = next((n for n, line in enumerate(lines[:8]) if re.match(r"[ \d]{2}\d[ \d]{2}\d( |$)", line)), None)
-        if at is None:
-            return None
-        lines[at] = f"{lines[at][:6]}  0  0  0  0  0  0  0  0999 V2000"
+        return None
     if at == 3:
         return lines
     given.say(f"the header has {at} line{'s' * (at != 1)} in place of 3: the atoms are taken from line {at + 2} on")
@@ -140,7 +138,7 @@ def _xyz(text, given):
         frames = [frames[order[0]]]
     for one in frames:
         charge, unpaired = _charge_in(one.title, given.what)
-        given.records.append(Record(placed(unsanitized(one.numbers, [0] * len(one.x), ()), one.x), charge=charge, unpaired=unpaired))
+        given.records.append(Record(with_bonds(one.numbers, one.x, given.what), charge=charge, unpaired=unpaired))
 
 
 def _charge_in(title, what):
@@ -185,12 +183,11 @@ def _pdb(text, given):
         lines = _without_alternates(lines, given.say)
         if not lines:
             continue
-        check_count(len(lines), given.what, 40 * MOST_ATOMS)
         try:
             x = np.array([[xyz.finite(line[k:k + 8]) for k in (30, 38, 46)] for line in lines])
         except ValueError:
             raise BadInput(f"{given.what}: an atom's coordinates are not in columns 31 to 54, where PDB has them") from None
-        mol = with_bonds([_element(line) for line in lines], x, [_charge(line) for line in lines])
+        mol = with_bonds([_element(line) for line in lines], x, given.what, [_charge(line) for line in lines])
         check_count(max(2, *map(len, Chem.GetMolFrags(mol))), given.what)
         for atom in mol.GetAtoms():  # one that stands alone is an ion, or water
             atom.SetNoImplicit(atom.GetDegree() > 0 or atom.GetAtomicNum() != 8)
@@ -237,6 +234,7 @@ def _mol2(text, given):
         told = re.findall(r"^\s*(\d+)\s+\d+\s*\ncharge\s+([+-]?\d)\s*$", block, flags=re.M)
         for atom in mol.GetAtoms():  # RDKit's guess takes all hydrogens to be there
             atom.SetFormalCharge(int(dict(told).get(str(atom.GetIdx() + 1), 0)))
+            atom.SetNoImplicit(False)
         dummies = re.findall(r"^(?:\s*\S+){5}\s+(?:LP|DU)\b", block, flags=re.M | re.I)
         if dummies:  # RDKit leaves out the lone pairs
             given.say(f"{len(dummies)} lone pairs or dummy atoms are left out")
@@ -246,8 +244,9 @@ def _mol2(text, given):
 
 # Bonds by distances
 
-def with_bonds(numbers, x, charges=None):
+def with_bonds(numbers, x, what, charges=None):
     """RDKit's molecule of atoms with bonds of open order between those that are near each other. charges: of the atoms."""
+    check_count(len(x), what, 40 * MOST_ATOMS)
     near = geometry.bonds_of(numbers, x)
     bonds = [(j, k, 0) for j, some in enumerate(near) for k in some if j < k]
     return placed(unsanitized(numbers, charges or [0] * len(x), bonds), x)

@@ -12,16 +12,13 @@ from rdkit.Chem import rdMolDescriptors
 from . import molecule as prepared
 from . import building, confined, formats, geometry, valences, xyz
 from .elements import MASSES, SYMBOLS
-from .formats import MOST_ATOMS, check_count
-from .molecule import BadInput, Molecule, is_flat, numbers_of, places_of, signed
+from .formats import check_count
+from .molecule import BadInput, Molecule, is_flat, listed, numbers_of, places_of, signed
 
 LEAST_DISTANCE = 0.5  # angstrom
-METALS = {3, 4, 11, 12, 13, *range(19, 32), *range(37, 51), *range(55, 85), *range(87, 104)}
-MOST_PIECES = 8  # of a record in which no piece is half of it: more are no molecules, but noise
 TRIPLE = 0.85  # of the sum of the covalent radii: a carbon whose only bond is longer has no triple bond
 # The last has too many neighbours to lie in a plane with them.
 CARBON_HYDROGEN, BULKY = map(Chem.MolFromSmarts, ("[#1]~[#6]", "[D{4-}]"))
-NAMED = 4
 
 
 def read(path, smiles, charge=None, unpaired=None):
@@ -84,18 +81,14 @@ def ensemble(path):
 def _one(given, charge, unpaired):
     """What makes a Molecule, as JSON can hold it."""
     for record in given.records:
-        _refuse_no_coordinates(given, record)
+        _refuse_no_coordinates(given, record.mol)
     record, others = _largest(given)
     charge = record.charge if charge is None else charge
     unpaired = record.unpaired if unpaired is None else unpaired
-    for atom in record.mol.GetAtoms():
-        z, name = atom.GetAtomicNum(), f"{atom.GetSymbol()}{atom.GetIdx() + 1}"
-        if z in METALS:
-            raise BadInput(f"{given.what}: {name} is a metal, whose bonds are no single bonds that turn: "
-                           "take the part without it")
-        if z not in MASSES:
-            raise BadInput(f"{given.what}: {name}: no radius is known for this element, only for "
-                           + " ".join(SYMBOLS[k] for k in MASSES))
+    strange = [a for a in record.mol.GetAtoms() if a.GetAtomicNum() not in MASSES]
+    if strange:
+        raise BadInput(f"{given.what}: {valences.named(record.mol, [strange[0].GetIdx()])}: only molecules of "
+                       f"{' '.join(SYMBOLS[z] for z in MASSES)} can be felt: take the part without it")
     mol, built = _completed(given, record, charge, unpaired)
     charge = Chem.GetFormalCharge(mol) if charge is None else charge
     _check(places_of(mol), given.what)
@@ -111,19 +104,15 @@ def _plain(mol):
             "charges": [a.GetFormalCharge() for a in mol.GetAtoms()], "bonds": bonds}
 
 
-def _refuse_no_coordinates(given, record):
-    """What can be seen only before a file's atoms are sorted into molecules. Gives XYZ its bonds."""
-    what, numbers, x = given.what, numbers_of(record.mol), places_of(record.mol)
+def _refuse_no_coordinates(given, mol):
+    """What can be seen only before a file's atoms are sorted into molecules."""
+    what, numbers, x = given.what, numbers_of(mol), places_of(mol)
     if 0 in numbers:
         raise BadInput(f"{what}: atom {numbers.index(0) + 1} is of no known element: correct its symbol")
-    if given.kind != "smi" and record.mol.GetNumBonds() == 0 and len(x) > 1 and (x == 0).all():
+    if given.kind != "smi" and len(x) > 1 and (x == 0).all() and (given.kind in ("xyz", "pdb") or mol.GetNumBonds() == 0):
         raise BadInput(f"{what}: no coordinates and no bonds: give a file that has them, or --smiles")
-    if given.kind == "xyz":
-        check_count(len(x), what, 10 * MOST_ATOMS)
-        record.mol = formats.with_bonds(numbers, x)
-        if is_flat(x) and (len(Chem.GetMolFrags(record.mol)) > 1 or record.mol.HasSubstructMatch(BULKY)):
-            raise BadInput(f"{what}: flat, and XYZ has no bonds to build a shape from: give an SDF file or --smiles")
-        _check(x, what, 10 * MOST_ATOMS)
+    if given.kind == "xyz" and is_flat(x) and (len(Chem.GetMolFrags(mol)) > 1 or mol.HasSubstructMatch(BULKY)):
+        raise BadInput(f"{what}: flat, and XYZ has no bonds to build a shape from: give an SDF file or --smiles")
 
 
 def _largest(given):
@@ -132,8 +121,6 @@ def _largest(given):
     parts = []
     for record in given.records:
         some = Chem.GetMolFrags(record.mol, asMols=True, sanitizeFrags=False)
-        if len(some) > MOST_PIECES and 2 * max(p.GetNumAtoms() for p in some) < record.mol.GetNumAtoms():
-            raise BadInput(f"{given.what}: {len(some)} pieces that are not bonded: no coordinates of one molecule")
         if len(some) == 1:
             parts.append(record)
         else:  # what the text says is of all pieces
@@ -150,10 +137,8 @@ def _largest(given):
 
 def _left_out(given, mol, charge, others):
     """What is taken, and what is not."""
-    metals = sorted({a.GetSymbol() for p in others for a in p.mol.GetAtoms() if a.GetAtomicNum() in METALS})
     return (f"{given.what}: {len(others) + 1} molecules or shapes: the largest is taken, {rdMolDescriptors.CalcMolFormula(mol)} "
-            f"with charge {signed(charge)}; left out: {_counted(others)}"
-            + ("".join(f"; {m} is a metal and is not felt" for m in metals)))
+            f"with charge {signed(charge)}; left out: {_counted(others)}")
 
 
 def _counted(parts):
@@ -161,7 +146,7 @@ def _counted(parts):
     counts = Counter((rdMolDescriptors.CalcMolFormula(p.mol), Chem.GetFormalCharge(p.mol)) for p in parts)
     words = [(f"{n} of " if n > 1 else "") + formula + (f" with charge {charge:+d}" if charge else "")
              for (formula, charge), n in counts.items()]
-    return ", ".join(words[:NAMED]) + (f" and {len(words) - NAMED} more" if len(words) > NAMED else "")
+    return listed(words)
 
 
 def _completed(given, record, charge, unpaired):
@@ -251,8 +236,8 @@ def _refuse_without_hydrogen(mol, what):
                            "an ion needs --charge, a radical --uhf")
 
 
-def _check(x, what, most=MOST_ATOMS):
-    check_count(len(x), what, most)
+def _check(x, what):
+    check_count(len(x), what)
     if not np.isfinite(x).all():
         raise BadInput(f"{what}: a coordinate is not a finite number")
     distance = np.linalg.norm(x[:, None] - x[None], axis=2) + 9 * np.eye(len(x))

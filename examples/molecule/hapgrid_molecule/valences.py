@@ -10,7 +10,7 @@ from rdkit import Chem
 from scipy import optimize
 
 from . import geometry
-from .molecule import BadInput, numbers_of, places_of, signed
+from .molecule import BadInput, listed, numbers_of, places_of, signed
 
 # {element: {charge: sums of bond orders that an atom with it has}}
 VALENCES = {
@@ -37,7 +37,6 @@ STRAIGHT = np.radians(150)
 PYRROLE = Chem.MolFromSmarts("[#7D2]~1~[#6]~[#6,#7]~[#6,#7]~[#6]~1")  # as in porphine, whose bonds tell nothing
 PARTIAL = "_TriposPartialCharge"  # where RDKit keeps the partial charges of MOL2
 SECONDS = 20
-NAMED = 6
 
 
 def _order(atom):
@@ -129,7 +128,9 @@ def assigned(mol, charge, unpaired):
 
 def _orders(bond):
     """Those that it may have."""
-    if bond.GetBondType() not in (Chem.BondType.UNSPECIFIED, Chem.BondType.AROMATIC):
+    if bond.GetBondType() == Chem.BondType.AROMATIC:
+        return [1, 2]
+    if bond.GetBondType() != Chem.BondType.UNSPECIFIED:
         return [int(bond.GetBondTypeAsDouble())]
     return [1] if 1 in (bond.GetBeginAtom().GetAtomicNum(), bond.GetEndAtom().GetAtomicNum()) else [1, 2, 3]
 
@@ -167,7 +168,7 @@ def closed(mol, what, charge, unpaired, filled=None):
     if filled and (charge is not None or not atoms or any(mol.GetAtomWithIdx(n).GetAtomicNum() not in (7, 8, 16) for n in atoms)):
         return closed(filled, what, charge, unpaired)
     if None not in (charge, unpaired) or is_odd and (charge, unpaired) != (None, None):
-        return singled(mol)  # reading.read() refuses a wrong number of electrons
+        return mol  # reading.read() refuses a wrong number of electrons
     if best is None:
         full = next((a for a in mol.GetAtoms() if _order(a) > max(v for v, *_ in _states(a, False))), None)
         why = "no orders of its bonds fit its valences" if full is None else f"{named(mol, [full.GetIdx()])} has {_order(full)} bonds"
@@ -197,15 +198,6 @@ def hydrogens_set(mol, count):
     return out
 
 
-def singled(mol):
-    """Where the order of a bond is open it is a single one."""
-    out = Chem.Mol(mol)
-    for bond in out.GetBonds():
-        if bond.GetBondType() == Chem.BondType.UNSPECIFIED:
-            bond.SetBondType(Chem.BondType.SINGLE)
-    return out
-
-
 def opened(mol, best):
     """The atoms that have a charge only in `best`, without those whose neighbour makes up for it, if others are left."""
     before, after = ([a.GetFormalCharge() for a in one.GetAtoms()] for one in (mol, best))
@@ -215,5 +207,4 @@ def opened(mol, best):
 
 
 def named(mol, atoms):
-    words = [f"{mol.GetAtomWithIdx(n).GetSymbol()}{n + 1}" for n in atoms]
-    return ", ".join(words[:NAMED]) + (f" and {len(words) - NAMED} more" if len(words) > NAMED else "")
+    return listed([f"{mol.GetAtomWithIdx(n).GetSymbol()}{n + 1}" for n in atoms])
