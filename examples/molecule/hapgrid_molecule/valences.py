@@ -1,4 +1,4 @@
-"""Bonds and charges that a file does not say.
+"""Bonds, charges and hydrogens that a file does not say.
 
 Formats without orders of bonds, formal charges or hydrogens leave them open. Of all ways to give each atom a valence that it
 can have, so that the charges add up to the molecule's, the cheapest is taken: a small integer program, whose answer is exact
@@ -79,6 +79,7 @@ def assigned(mol, charge, unpaired):
     for n in range(len(atoms)):
         bounds.update({("state", n): (1, 1), ("valence", n): (0, 0), ("double", n): (0, 1)})
     bounds.update({("order", n): (1, 1) for n in range(len(bonds))})
+    # There, too, an atom on a line has no hydrogen, carbon has a charge only on or beside a line, and nitrogen no five bonds.
     choices = []  # (atom or bond, what is chosen for it, cost, {equation: what it adds})
     for n, atom in enumerate(atoms):
         z, is_open = atom.GetAtomicNum(), not atom.GetNoImplicit()
