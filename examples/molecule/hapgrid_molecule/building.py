@@ -53,7 +53,13 @@ def with_hydrogens(mol, shaped):
     """All hydrogens as atoms, those that were added relaxed while the others stay. shaped: whether it has a shape."""
     count = mol.GetNumAtoms()
     one = Chem.AddHs(mol, addCoords=shaped)
-    return placed(one, relaxed(one, places_of(one), STEPS, range(count))[1]) if shaped and one.GetNumAtoms() > count else one
+    if not shaped or one.GetNumAtoms() == count:
+        return one
+    x = places_of(one)
+    # RDKit finds no place for those at the end of a straight chain, as allene's: they begin near their atom, in no plane.
+    lost = np.flatnonzero(~np.isfinite(x).all(axis=1))
+    x[lost] = x[[one.GetAtomWithIdx(int(n)).GetNeighbors()[0].GetIdx() for n in lost]] + np.cos(np.arange(3 * len(lost))).reshape(-1, 3)
+    return placed(one, relaxed(one, x, STEPS, range(count))[1])
 
 
 def shape(mol, what):

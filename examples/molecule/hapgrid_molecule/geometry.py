@@ -110,15 +110,10 @@ def rotated_about(x, j, k, side, turn):
 
 def side_of(neighbours, j, k):
     """The atoms on k's side of the bond j-k, without k; None when the bond is in a ring."""
-    seen, stack = {k}, [n for n in neighbours[k] if n != j]
-    while stack:
-        at = stack.pop()
-        if at == j:
-            return None
-        if at not in seen:
-            seen.add(at)
-            stack += neighbours[at]
-    return sorted(seen - {k})
+    side = [k]
+    for at in side:
+        side += [n for n in neighbours[at] if n not in side and (at, n) != (k, j)]
+    return None if j in side else sorted(side[1:])
 
 
 class Tree:

@@ -15,6 +15,7 @@ MOST_BYTES = 8 << 20  # of a file from outside
 STEPS = 500  # of the force field for a conformer
 SEED, TRIES, ITERATIONS = 1, 100, 20  # of distance geometry
 AMIDE = "[CX3](=O)-[#7]"
+NAMED = 5  # of a list, at most
 
 
 class BadInput(Failed):
@@ -112,6 +113,10 @@ def relaxed(rd, positions, steps, fixed=()):
 
 def signed(charge):
     return f"{charge:+d}" if charge else "0"
+
+
+def listed(words):
+    return ", ".join(words[:NAMED]) + (f" and {len(words) - NAMED} more" if len(words) > NAMED else "")
 
 
 def numbers_of(rd):

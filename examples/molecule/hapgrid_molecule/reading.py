@@ -12,16 +12,13 @@ from rdkit.Chem import rdMolDescriptors
 from . import molecule as prepared
 from . import building, confined, formats, geometry, valences, xyz
 from .elements import MASSES, SYMBOLS
-from .formats import MOST_ATOMS, check_count
-from .molecule import BadInput, Molecule, is_flat, numbers_of, places_of, signed
+from .formats import check_count
+from .molecule import BadInput, Molecule, is_flat, listed, numbers_of, places_of, signed
 
 LEAST_DISTANCE = 0.5  # angstrom
-METALS = {3, 4, 11, 12, 13, *range(19, 32), *range(37, 51), *range(55, 85), *range(87, 104)}
-MOST_PIECES = 8  # of a record in which no piece is half of it: more are no molecules, but noise
 TRIPLE = 0.85  # of the sum of the covalent radii: a carbon whose only bond is longer has no triple bond
 # The last has too many neighbours to lie in a plane with them.
-CHARGED, CARBON_HYDROGEN, BULKY = map(Chem.MolFromSmarts, ("[C+,C-]", "[#1]~[#6]", "[D{4-}]"))
-NAMED = 4
+CARBON_HYDROGEN, BULKY = map(Chem.MolFromSmarts, ("[#1]~[#6]", "[D{4-}]"))
 
 
 def read(path, smiles, charge=None, unpaired=None):
@@ -38,14 +35,10 @@ def read(path, smiles, charge=None, unpaired=None):
         return _one(given, charge, unpaired)
     one = Molecule(what, **confined.run(work, what))
     electrons = sum(one.numbers) - one.charge
-    if electrons < 1:
-        raise BadInput(f"{what}: no electrons are left with charge {signed(one.charge)}: give the right --charge")
-    if electrons % 2 == one.unpaired % 2 and one.unpaired <= electrons:
-        return one
-    if one.unpaired:
-        raise BadInput(f"{what}: {electrons} electrons, of which {one.unpaired} cannot be the unpaired ones (--uhf)")
-    raise BadInput(f"{what}: {electrons} electrons with charge {signed(one.charge)}: a radical needs --uhf 1; otherwise "
-                   "give the right --charge")
+    if electrons < max(1, one.unpaired) or (electrons - one.unpaired) % 2:
+        raise BadInput(f"{what}: {electrons} electrons with charge {signed(one.charge)} do not go with {one.unpaired} unpaired ones: "
+                       "give the right --charge, or --uhf 1 for a radical")
+    return one
 
 
 def sdf(one):
@@ -88,22 +81,19 @@ def ensemble(path):
 def _one(given, charge, unpaired):
     """What makes a Molecule, as JSON can hold it."""
     for record in given.records:
-        _refuse_no_coordinates(given, record)
-    record = _largest(given)
+        _refuse_no_coordinates(given, record.mol)
+    record, others = _largest(given)
     charge = record.charge if charge is None else charge
     unpaired = record.unpaired if unpaired is None else unpaired
-    for atom in record.mol.GetAtoms():
-        z, name = atom.GetAtomicNum(), f"{atom.GetSymbol()}{atom.GetIdx() + 1}"
-        if z in METALS:
-            raise BadInput(f"{given.what}: {name} is a metal, whose bonds are no single bonds that turn: "
-                           "take the part without it")
-        if z not in MASSES:
-            raise BadInput(f"{given.what}: {name}: no radius is known for this element, only for "
-                           + " ".join(SYMBOLS[k] for k in MASSES))
+    strange = [a for a in record.mol.GetAtoms() if a.GetAtomicNum() not in MASSES]
+    if strange:
+        raise BadInput(f"{given.what}: {valences.named(record.mol, [strange[0].GetIdx()])}: only molecules of "
+                       f"{' '.join(SYMBOLS[z] for z in MASSES)} can be felt: take the part without it")
     mol, built = _completed(given, record, charge, unpaired)
     charge = Chem.GetFormalCharge(mol) if charge is None else charge
     _check(places_of(mol), given.what)
-    return {**_plain(mol), "charge": charge, "unpaired": unpaired or 0, "built": built, "said": given.said}
+    said = [_left_out(given, mol, charge, others)] if others else []
+    return {**_plain(mol), "charge": charge, "unpaired": unpaired or 0, "built": built, "said": said + given.said}
 
 
 def _plain(mol):
@@ -114,30 +104,23 @@ def _plain(mol):
             "charges": [a.GetFormalCharge() for a in mol.GetAtoms()], "bonds": bonds}
 
 
-def _refuse_no_coordinates(given, record):
-    """What can be seen only before a file's atoms are sorted into molecules. Gives XYZ its bonds."""
-    what, numbers, x = given.what, numbers_of(record.mol), places_of(record.mol)
+def _refuse_no_coordinates(given, mol):
+    """What can be seen only before a file's atoms are sorted into molecules."""
+    what, numbers, x = given.what, numbers_of(mol), places_of(mol)
     if 0 in numbers:
         raise BadInput(f"{what}: atom {numbers.index(0) + 1} is of no known element: correct its symbol")
-    if given.kind != "smi" and record.mol.GetNumBonds() == 0 and len(x) > 1 and (x == 0).all():
+    if given.kind != "smi" and len(x) > 1 and (x == 0).all() and (given.kind in ("xyz", "pdb") or mol.GetNumBonds() == 0):
         raise BadInput(f"{what}: no coordinates and no bonds: give a file that has them, or --smiles")
-    if given.kind == "xyz":
-        check_count(len(x), what, 10 * MOST_ATOMS)
-        record.mol = formats.with_bonds(numbers, x)
-        if is_flat(x) and (len(Chem.GetMolFrags(record.mol)) > 1 or record.mol.HasSubstructMatch(BULKY)):
-            raise BadInput(f"{what}: flat, and XYZ has no bonds to build a shape from: give an SDF file or --smiles")
-        _check(x, what, 10 * MOST_ATOMS)
+    if given.kind == "xyz" and is_flat(x) and (len(Chem.GetMolFrags(mol)) > 1 or mol.HasSubstructMatch(BULKY)):
+        raise BadInput(f"{what}: flat, and XYZ has no bonds to build a shape from: give an SDF file or --smiles")
 
 
 def _largest(given):
-    """The formats.Record of the one molecule that is felt. One rule holds for the records of a file, for the pieces of a
-    record, and for SMILES with dots: that with the most atoms beside hydrogen, then with the most atoms, then the first. What
-    is left out is named, with its charge."""
+    """(the formats.Record of the one molecule that is felt, the others). One rule holds for the records of a file, for the pieces
+    of a record, and for SMILES with dots: that with the most atoms beside hydrogen, then with the most atoms, then the first."""
     parts = []
     for record in given.records:
         some = Chem.GetMolFrags(record.mol, asMols=True, sanitizeFrags=False)
-        if len(some) > MOST_PIECES and 2 * max(p.GetNumAtoms() for p in some) < record.mol.GetNumAtoms():
-            raise BadInput(f"{given.what}: {len(some)} pieces that are not bonded: no coordinates of one molecule")
         if len(some) == 1:
             parts.append(record)
         else:  # what the text says is of all pieces
@@ -149,15 +132,13 @@ def _largest(given):
     if one.mol.GetNumAtoms(onlyExplicit=False) == 1 and others:
         raise BadInput(f"{given.what}: only single atoms or ions, {_counted(parts)}: none has a shape to feel: "
                        "give a molecule with bonds")
-    if others:
-        metals = sorted({a.GetSymbol() for p in others for a in p.mol.GetAtoms() if a.GetAtomicNum() in METALS})
-        given.say(f"{given.what}: {len(parts)} molecules or shapes: the largest is taken, "
-                  f"{rdMolDescriptors.CalcMolFormula(one.mol)} with charge {signed(Chem.GetFormalCharge(one.mol))}; left out: "
-                  + _counted(others)
-                  + ("".join(f"; {m} is a metal and is not felt" for m in metals))
-                  + ("; the file's charge is of all pieces: --charge gives that of the one"
-                     if any(r.charge for r in given.records) and one not in given.records else ""))
-    return one
+    return one, others
+
+
+def _left_out(given, mol, charge, others):
+    """What is taken, and what is not."""
+    return (f"{given.what}: {len(others) + 1} molecules or shapes: the largest is taken, {rdMolDescriptors.CalcMolFormula(mol)} "
+            f"with charge {signed(charge)}; left out: {_counted(others)}")
 
 
 def _counted(parts):
@@ -165,23 +146,15 @@ def _counted(parts):
     counts = Counter((rdMolDescriptors.CalcMolFormula(p.mol), Chem.GetFormalCharge(p.mol)) for p in parts)
     words = [(f"{n} of " if n > 1 else "") + formula + (f" with charge {charge:+d}" if charge else "")
              for (formula, charge), n in counts.items()]
-    return ", ".join(words[:NAMED]) + (f" and {len(words) - NAMED} more" if len(words) > NAMED else "")
+    return listed(words)
 
 
 def _completed(given, record, charge, unpaired):
     """(the molecule with all hydrogens and a shape, whether that was built)."""
-    what, mol, x = given.what, record.mol, places_of(record.mol)
-    check_count(mol.GetNumAtoms(onlyExplicit=False), what)
-    if given.kind == "xyz" and unpaired is None and charge is None:
-        _refuse_without_hydrogen(mol, what)
-    if given.kind in ("pdb", "mol2") or given.kind == "sdf" and record.known and not is_flat(x):
-        mol = _add_no_hydrogen_to_the_whole(mol, given, charge, unpaired)
-    if given.kind != "smi" or charge is not None:
-        Chem.SanitizeMol(mol, Chem.SANITIZE_KEKULIZE, catchErrors=True)
-        mol = valences.closed(mol, what, charge, unpaired, not record.known and all(
-            a.GetTotalNumHs() == 0 for a in mol.GetAtoms()))
-    mol = building.understood(mol, what, given.kind == "xyz" or charge is not None or unpaired is not None)
+    what, x = given.what, places_of(record.mol)
     nowhere = np.ptp(x, axis=0).max() < 0.1 and len(x) > 1
+    mol = _closed(given, record.mol, nowhere, charge, unpaired)
+    mol = building.understood(mol, what, given.kind == "xyz" or charge is not None or unpaired is not None)
     added = mol.GetNumAtoms(onlyExplicit=False) - mol.GetNumAtoms()
     if given.kind == "smi":
         free = {a.GetIdx(): a.GetNumRadicalElectrons() for a in mol.GetAtoms() if a.GetNumRadicalElectrons()}
@@ -201,6 +174,43 @@ def _completed(given, record, charge, unpaired):
         raise BadInput(f"{what}: no coordinates, and XYZ has no bonds to build a shape from: give an SDF file or --smiles")
     given.say(f"{what}: {'no coordinates' if nowhere else 'flat'}: a shape was built")
     return _built(mol, given), True
+
+
+def _closed(given, mol, nowhere, charge, unpaired):
+    """The molecule with bonds, charges and numbers of hydrogens that fit each other. nowhere: whether it has no coordinates."""
+    what, total, finds = given.what, Chem.GetFormalCharge(mol), given.kind in ("pdb", "mol2") and not nowhere
+    if given.kind == "xyz" and unpaired is None and charge is None:
+        _refuse_without_hydrogen(mol, what)
+    filled = valences.hydrogens_set(mol, Chem.Atom.GetTotalNumHs)  # as RDKit counts them
+    if finds:
+        filled = _filled(mol, total) or _filled(mol, None) or filled
+    check_count(filled.GetNumAtoms(onlyExplicit=False), what)
+    if given.kind == "smi" and charge is None:
+        return mol
+    drawn = nowhere or given.kind == "smi" or given.kind == "sdf" and is_flat(places_of(mol))
+    lack = sum(atom.GetTotalNumHs() > 0 for atom in filled.GetAtoms())
+    if drawn or len(mol.GetSubstructMatches(CARBON_HYDROGEN, maxMatches=10000)) < lack:
+        if finds and charge not in (None, total):
+            filled = _filled(mol, charge) or filled
+        Chem.SanitizeMol(filled, Chem.SANITIZE_KEKULIZE, catchErrors=True)
+        return valences.closed(filled, what, charge, unpaired)
+    # Where most carbons have their hydrogens the file has all that there are, and other bonds or charges are looked for.
+    bare = valences.hydrogens_set(mol, lambda atom: 0)
+    if finds and not is_flat(places_of(mol)):  # lengths and hydrogens tell more than what programs write to MOL2
+        for bond in bare.GetBonds():
+            bond.SetBondType(Chem.BondType.UNSPECIFIED)
+    return valences.closed(bare, what, charge, unpaired, filled if lack else None)
+
+
+def _filled(mol, total):
+    """With the hydrogens that fit its shape and a total charge, or None. Where charges are is found by closed()."""
+    out = Chem.Mol(mol)
+    for atom in out.GetAtoms():
+        atom.SetNoImplicit(False)
+    out = valences.assigned(out, total, 0)
+    for atom, before in zip(out.GetAtoms(), mol.GetAtoms()) if out else ():
+        atom.SetFormalCharge(before.GetFormalCharge())
+    return out
 
 
 def _built(mol, given):
@@ -226,37 +236,8 @@ def _refuse_without_hydrogen(mol, what):
                            "an ion needs --charge, a radical --uhf")
 
 
-def _add_no_hydrogen_to_the_whole(mol, given, charge, unpaired):
-    """The molecule with the numbers of hydrogens that are to be added. Where most carbons have their hydrogens the file has
-    all that there are, and other bonds or charges are looked for. Where these only fit an ion whose charges are on nitrogen,
-    oxygen and sulphur, it is that."""
-    for atom in mol.GetAtoms():
-        atom.SetNumExplicitHs(atom.GetTotalNumHs())
-        atom.SetNoImplicit(True)
-    lack = {a.GetIdx(): a.GetNumExplicitHs() for a in mol.GetAtoms() if a.GetNumExplicitHs()}
-    if len(mol.GetSubstructMatches(CARBON_HYDROGEN, maxMatches=10000)) < len(lack):
-        # Open Babel does not see all double bonds of a PDB file, but their lengths tell them.
-        total = Chem.GetFormalCharge(mol) if charge is None else charge
-        return mol if given.kind != "pdb" else valences.assigned(mol, total, 0, True, True)[0] or mol
-    bare = Chem.Mol(mol)
-    for n in lack:
-        bare.GetAtomWithIdx(n).SetNumExplicitHs(0)
-    total = Chem.GetFormalCharge(mol) if charge is None else charge
-    ways = {"sdf": [False], "mol2": [False, True], "pdb": [True]}[given.kind]
-    whole = [one for one in (valences.assigned(bare, total, unpaired or 0, free)[0] for free in ways) if one is not None]
-    if whole:
-        return min(whole, key=lambda one: len(one.GetSubstructMatches(CHARGED)))
-    ion = valences.assigned(bare, None, unpaired or 0, ways[-1])[0] if lack and charge is None else None
-    atoms = ion and valences.opened(bare, ion)
-    if not atoms or any(mol.GetAtomWithIdx(n).GetAtomicNum() not in (7, 8, 16) for n in atoms):
-        return mol
-    raise BadInput(f"{given.what}: {valences.named(mol, atoms)} {'lacks' if len(atoms) == 1 else 'lack'} hydrogen, and all "
-                   f"other atoms have theirs: give --charge {signed(Chem.GetFormalCharge(ion))} for the ion, or a file without "
-                   "hydrogens, which are then added")
-
-
-def _check(x, what, most=MOST_ATOMS):
-    check_count(len(x), what, most)
+def _check(x, what):
+    check_count(len(x), what)
     if not np.isfinite(x).all():
         raise BadInput(f"{what}: a coordinate is not a finite number")
     distance = np.linalg.norm(x[:, None] - x[None], axis=2) + 9 * np.eye(len(x))

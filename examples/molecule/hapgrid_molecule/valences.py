@@ -1,7 +1,7 @@
-"""Bonds and charges that a file does not say.
+"""Bonds, charges and hydrogens that a file does not say.
 
-Formats without orders of bonds or without formal charges leave them open. Of all ways to give each atom a valence that it can
-have, so that the charges add up to the molecule's, the cheapest is taken: a small integer program, whose answer is exact
+Formats without orders of bonds, formal charges or hydrogens leave them open. Of all ways to give each atom a valence that it
+can have, so that the charges add up to the molecule's, the cheapest is taken: a small integer program, whose answer is exact
 where rules that go from atom to atom miss nitrile oxides or the charge of an enolate.
 """
 
@@ -10,7 +10,7 @@ from rdkit import Chem
 from scipy import optimize
 
 from . import geometry
-from .molecule import BadInput, numbers_of, places_of, signed
+from .molecule import BadInput, listed, numbers_of, places_of, signed
 
 # {element: {charge: sums of bond orders that an atom with it has}}
 VALENCES = {
@@ -24,24 +24,24 @@ ON = {(6, -1): 2.5, (6, 1): 2.5, (7, -1): 1.2, (5, -1): 0.5, (15, 1): 0.8, (15, 
 HIGHER = 0.3  # each valence above the first one
 FIVE = 3.0  # nitrogen's, as many programs write a nitro group; RDKit writes it with charges
 UNPAIRED = 4.0
-UNCLEAR = 1.0  # two charges whose costs differ by less are both named
 HYDROGEN = 0.005  # so that a bond is a double one where its length tells nothing
+UNCLEAR = 1.0  # two charges whose costs differ by less are both named
+EVEN = 1e-4  # by the square of an atom's number of hydrogens: no NH3+ where two NH2 are as good, as in guanidinium
 # An atom with three neighbours and a hydrogen is half an angstrom above their plane, one without lies in it.
 HEIGHT, LIFTED = 0.22, 5.0  # half of that, and what it costs to be off by an angstrom
 WIDER = 0.035  # a degree by which the angle at a pyrrole's nitrogen is less than 106, as it is without a hydrogen
 OXIDE = 2.0  # a hydrogen on an oxygen whose bond to nitrogen is that of an N-oxide
-MORE = 0.3  # a hydrogen that Open Babel does not see, on carbon or oxygen
 # Lengths in units of the sum of the covalent radii, and what it costs to be off by one.
 LENGTHS, OFF = np.array([1.0, 0.87, 0.78]), 2.0
 STRAIGHT = np.radians(150)
-ACID = Chem.MolFromSmarts("[OD1]~[#7,#15,#16,$([#6](~[OD1])~[OD1])]")
-PYRROLE = Chem.MolFromSmarts("[#7D2]1~[#6]~[#6,#7]~[#6,#7]~[#6]1")  # as in porphine, whose bonds tell nothing
+PYRROLE = Chem.MolFromSmarts("[#7D2]~1~[#6]~[#6,#7]~[#6,#7]~[#6]~1")  # as in porphine, whose bonds tell nothing
+PARTIAL = "_TriposPartialCharge"  # where RDKit keeps the partial charges of MOL2
 SECONDS = 20
-NAMED = 6
 
 
 def _order(atom):
-    return int(sum(b.GetBondTypeAsDouble() for b in atom.GetBonds())) + atom.GetTotalNumHs()
+    """The sum of the orders of its bonds, with its hydrogens; a bond whose order is open counts once."""
+    return int(sum(max(1, b.GetBondTypeAsDouble()) for b in atom.GetBonds())) + atom.GetTotalNumHs()
 
 
 def _states(atom, radicals):
@@ -59,68 +59,87 @@ def _states(atom, radicals):
     return out
 
 
-def assigned(mol, charge, unpaired, free, loose=False):
-    """(a copy of RDKit's molecule with orders of bonds and formal charges for its total charge and number of unpaired
-    electrons, what it costs), or (None, inf) where there are none. charge, unpaired: None for whatever costs least; free:
-    whether orders of bonds may change, by their lengths; loose: whether numbers of hydrogens may change for that, too."""
-    atoms, bonds = list(mol.GetAtoms()), list(mol.GetBonds())
-    share = geometry.shares(numbers_of(mol), places_of(mol)) if free else None
-    shape = [_shape(atom, places_of(mol)) if loose else "" for atom in atoms]
-    acids, pyrroles = ({match[0] for match in mol.GetSubstructMatches(one)} for one in (ACID, PYRROLE))
-    hydrogen = [_hydrogen_cost(atom, places_of(mol), pyrroles) if loose else HYDROGEN for atom in atoms]
-    # Each choice is a state of an atom or an order of a bond: (its column of the equations, its cost, what is done with it).
-    # Rows: each atom and each bond has one choice; bonds of an atom add up to its valence; charges; unpaired electrons; and where
-    # hydrogens are open, carbon and nitrogen have one bond at most that is not single, unless they lie on a line.
-    other = charge != Chem.GetFormalCharge(mol)
+def assigned(mol, charge, unpaired):
+    """A copy of RDKit's molecule with orders of bonds, formal charges and hydrogens for its total charge and number of unpaired
+    electrons, with its property "cost", or None where there are none. charge, unpaired: None for whatever costs least.
 
-    def fits(n, z, order, q, hydrogens):
-        """Where hydrogens are open an atom on a line has none. Charges that the file does not give are without hydrogens on
-        nitrogen, on an acid's oxygen, or on or beside atoms on a line; another total charge is on any nitrogen or oxygen."""
-        near = any(shape[at] == "straight" for at in (n, *(one.GetIdx() for one in atoms[n].GetNeighbors())))
-        return (shape[n] != "straight" or (order, hydrogens) == (4, 0)) and (z, order) != (7, 5) and (
-            q == atoms[n].GetFormalCharge() or other and z in (7, 8) or hydrogens == 0 and (z == 7 or n in acids or near))
-    choices, valence, total = [], len(atoms) + len(bonds), 2 * len(atoms) + len(bonds)
+    Bonds that are UNSPECIFIED or AROMATIC get an order by their lengths. Atoms that may have implicit hydrogens get these by
+    the places of their neighbours.
+    """
+    x, atoms, bonds = places_of(mol), list(mol.GetAtoms()), list(mol.GetBonds())
+    share = geometry.shares(numbers_of(mol), x)
+    pyrroles = {match[0] for match in mol.GetSubstructMatches(PYRROLE)}
+    straight = {atom.GetIdx() for atom in atoms if _is_straight(atom, x)}
+    beside = straight | {near.GetIdx() for n in straight for near in atoms[n].GetNeighbors()}
+    bent = {n for n, a in enumerate(atoms) if not a.GetNoImplicit() and a.GetAtomicNum() in (6, 7)} - straight
+    # The equations: each atom and each bond has one choice; the bonds of an atom add up to its valence; so do charges and
+    # unpaired electrons; and where hydrogens are open, a bent carbon or nitrogen has one bond at most that is not single.
+    bounds = {name: (-np.inf, np.inf) if number is None else (number, number)
+              for name, number in (("charge", charge), ("unpaired", unpaired))}
+    for n in range(len(atoms)):
+        bounds.update({("state", n): (1, 1), ("valence", n): (0, 0), ("double", n): (0, 1)})
+    bounds.update({("order", n): (1, 1) for n in range(len(bonds))})
+    # There, too, an atom on a line has no hydrogen, carbon has a charge only on or beside a line, and nitrogen no five bonds.
+    choices = []  # (atom or bond, what is chosen for it, cost, {equation: what it adds})
     for n, atom in enumerate(atoms):
-        most, z = atom.GetTotalNumHs(), atom.GetAtomicNum()
-        more = loose and (z in (6, 7) or z == 8 and all(near.GetAtomicNum() == 6 for near in atom.GetNeighbors()))
+        z, is_open = atom.GetAtomicNum(), not atom.GetNoImplicit()
+        each = _hydrogen_cost(atom, x, pyrroles) if is_open else 0.0
         for order, q, spins, cost in _states(atom, unpaired != 0):
-            for hydrogens in range(0 if loose else most, most + 1 + more):
-                if not loose or fits(n, z, order, q, hydrogens):
-                    cost_of_hydrogens = hydrogen[n] * hydrogens + MORE * (hydrogens > most and z != 7)
-                    choices.append(({n: 1, valence + n: hydrogens - order, total: q, total + 1: spins}, cost + cost_of_hydrogens,
-                                    lambda to, n=n, some=(q, spins, hydrogens): _set(to.GetAtomWithIdx(n), *some)))
+            for hydrogens in range(max(0, order - atom.GetDegree()) + 1) if is_open else [atom.GetTotalNumHs()]:
+                if is_open and (n in straight and (order, hydrogens) != (4, 0) or z == 6 and q and n not in beside or
+                                (z, order) == (7, 5)):
+                    continue
+                choices.append((n, (q, spins, hydrogens), cost + each * hydrogens + EVEN * hydrogens**2, {
+                    ("state", n): 1, ("valence", n): hydrogens - order, "charge": q, "unpaired": spins}))
     for n, bond in enumerate(bonds):
-        a, b, order = bond.GetBeginAtomIdx(), bond.GetEndAtomIdx(), int(bond.GetBondTypeAsDouble())
-        for taken in (1, 2, 3) if free and 1 not in (atoms[a].GetAtomicNum(), atoms[b].GetAtomicNum()) else (order,):
+        ends = bond.GetBeginAtomIdx(), bond.GetEndAtomIdx()
+        for order in _orders(bond):
             # The last bonds are single where nothing else tells.
-            cost = OFF * abs(share[a, b] - LENGTHS[taken - 1]) + 1e-6 * n * taken if free else 0.0
-            several = {total + 2 + a: 1, total + 2 + b: 1} if taken > 1 else {}
-            choices.append(({len(atoms) + n: 1, valence + a: taken, valence + b: taken, **several}, cost,
-                            lambda to, n=n, taken=taken: to.GetBondWithIdx(n).SetBondType(Chem.BondType.values[taken])))
-    matrix = np.zeros((total + 2 + len(atoms), len(choices)))
-    for k, (column, _, _) in enumerate(choices):
-        matrix[list(column), k] = list(column.values())
-    one = [1] * valence + [0] * len(atoms)
-    low, high = ([*one, *(end if last is None else last for last in (charge, unpaired))] for end in (-np.inf, np.inf))
-    low += [0] * len(atoms)
-    high += [1 if one == "bent" else np.inf for one in shape]
-    found = optimize.milp([cost for _, cost, _ in choices], integrality=np.ones(len(choices)), bounds=optimize.Bounds(0, 1),
-                          constraints=optimize.LinearConstraint(matrix, low, high), options={"time_limit": SECONDS})
+            choices.append((n, order, OFF * abs(share[ends] - LENGTHS[order - 1]) + 1e-6 * n * order, {
+                ("order", n): 1, **{("valence", at): order for at in ends},
+                **{("double", at): 1 for at in ends if order > 1 and at in bent}}))
+    rows = {name: k for k, name in enumerate(bounds)}
+    matrix = np.zeros((len(bounds), len(choices)))
+    for k, (*_, column) in enumerate(choices):
+        for name, number in column.items():
+            matrix[rows[name], k] = number
+    # With its presolve the solver of Debian 12 gives answers that break the equations.
+    found = optimize.milp([cost for *_, cost, _ in choices], integrality=np.ones(len(choices)), bounds=optimize.Bounds(0, 1),
+                          constraints=optimize.LinearConstraint(matrix, *zip(*bounds.values())),
+                          options={"time_limit": SECONDS, "presolve": False})
     if found.x is None:
-        return None, np.inf
+        return None
     out = Chem.RWMol(mol)
     for k in np.flatnonzero(found.x > 0.5):
-        choices[k][2](out)
+        n, value, *_ = choices[k]
+        one = out.GetAtomWithIdx(n) if isinstance(value, tuple) else out.GetBondWithIdx(n)
+        one.SetIsAromatic(False)
+        if isinstance(value, tuple):
+            charge, radicals, hydrogens = value
+            one.SetFormalCharge(charge)
+            one.SetNumRadicalElectrons(radicals)
+            one.SetNumExplicitHs(hydrogens)
+            one.SetNoImplicit(True)
+        else:
+            one.SetBondType(Chem.BondType.values[value])
     out.UpdatePropertyCache(strict=False)
-    return out.GetMol(), found.fun
+    out.SetDoubleProp("cost", found.fun)
+    return out.GetMol()
 
 
-def _shape(atom, x):
-    """Whether a carbon or nitrogen is "bent" or "straight" between its neighbours."""
+def _orders(bond):
+    """Those that it may have."""
+    if bond.GetBondType() == Chem.BondType.AROMATIC:
+        return [1, 2]
+    if bond.GetBondType() != Chem.BondType.UNSPECIFIED:
+        return [int(bond.GetBondTypeAsDouble())]
+    return [1] if 1 in (bond.GetBeginAtom().GetAtomicNum(), bond.GetEndAtom().GetAtomicNum()) else [1, 2, 3]
+
+
+def _is_straight(atom, x):
+    """Whether it is a carbon or nitrogen on a line with two neighbours."""
     near = [n.GetIdx() for n in atom.GetNeighbors()]
-    if atom.GetAtomicNum() not in (6, 7) or len(near) < 2:
-        return ""
-    return "straight" if len(near) == 2 and geometry.angle(x, near[0], atom.GetIdx(), near[1]) > STRAIGHT else "bent"
+    return atom.GetAtomicNum() in (6, 7) and len(near) == 2 and geometry.angle(x, near[0], atom.GetIdx(), near[1]) > STRAIGHT
 
 
 def _hydrogen_cost(atom, x, pyrroles):
@@ -135,25 +154,22 @@ def _hydrogen_cost(atom, x, pyrroles):
     return OXIDE if z == 8 and short else HYDROGEN
 
 
-def _set(atom, charge, radicals, hydrogens):
-    atom.SetFormalCharge(charge)
-    atom.SetNumRadicalElectrons(radicals)
-    atom.SetNumExplicitHs(hydrogens)
-    atom.SetNoImplicit(True)
-
-
-def closed(mol, what, charge, unpaired, free):
-    """The molecule with bonds and charges that fit what was said of it. charge, unpaired: that, or None; free: as assigned()
-    has it. Where both were said and nothing fits, it stays as it is. Errors: BadInput, which says which charge fits."""
+def closed(mol, what, charge, unpaired, filled=None):
+    """The molecule with bonds and charges that fit what was said of it. charge, unpaired: that, or None; filled: the same with
+    hydrogens added, which is taken where the molecule fits no ion whose charges are on nitrogen, oxygen and sulphur. Where
+    charge and unpaired were both said and nothing fits, it stays as it is. Errors: BadInput, which says which charge fits."""
     total = Chem.GetFormalCharge(mol) if charge is None else charge
     electrons = sum(a.GetAtomicNum() + a.GetTotalNumHs() for a in mol.GetAtoms()) - total
     is_odd = (electrons - (unpaired or 0)) % 2 == 1
-    if is_odd and (charge is not None or unpaired is not None):
-        return mol  # reading.read() refuses it
-    one = None if is_odd else assigned(mol, total, unpaired or 0, free)[0]
-    if one is not None or charge is not None and unpaired is not None:
-        return one or mol
-    best, cost = assigned(mol, None, unpaired or 0, free)
+    one = None if is_odd else assigned(mol, total, unpaired or 0)
+    if one is not None:
+        return one
+    best = assigned(mol, None, unpaired or 0)
+    atoms = opened(mol, best) if best else []
+    if filled and (charge is not None or not atoms or any(mol.GetAtomWithIdx(n).GetAtomicNum() not in (7, 8, 16) for n in atoms)):
+        return closed(filled, what, charge, unpaired)
+    if None not in (charge, unpaired) or is_odd and (charge, unpaired) != (None, None):
+        return mol  # reading.read() refuses a wrong number of electrons
     if best is None:
         full = next((a for a in mol.GetAtoms() if _order(a) > max(v for v, *_ in _states(a, False))), None)
         why = "no orders of its bonds fit its valences" if full is None else f"{named(mol, [full.GetIdx()])} has {_order(full)} bonds"
@@ -162,13 +178,25 @@ def closed(mol, what, charge, unpaired, free):
     if charge is not None:
         raise BadInput(f"{what}: its bonds fit --charge {signed(fits)}, and not {signed(charge)}: correct it, or give --uhf "
                        f"{unpaired or 0} as well, with which it is computed all the same")
-    advice = f"--charge {signed(fits)}"
-    if assigned(mol, 2 * total - fits, unpaired or 0, free)[1] < cost + UNCLEAR:
-        advice += f" or {signed(2 * total - fits)}"
-    atoms = opened(mol, best)
+    partial = [float(a.GetProp(PARTIAL)) for a in mol.GetAtoms() if a.HasProp(PARTIAL)]
+    if any(partial) and fits == round(sum(partial)):
+        return best
+    opposite = assigned(mol, 2 * total - fits, unpaired or 0)
+    is_unclear = opposite and opposite.GetDoubleProp("cost") < best.GetDoubleProp("cost") + UNCLEAR
+    fit = f"{signed(fits)} or {signed(2 * total - fits)}" if is_unclear else signed(fits)
     have, them = ("has an open valence", "it") if len(atoms) == 1 else ("have open valences", "them")
-    raise BadInput(f"{what}: {named(mol, atoms)} {have}, and no charge is given: {advice} closes {them}"
-                   + ("; a radical needs --uhf 1" if is_odd else ""))
+    raise BadInput(f"{what}: {named(mol, atoms)} {have}, and no charge is given: --charge {fit} closes {them}"
+                   + ("; a radical needs --uhf 1" if is_odd else "")
+                   + ("; without any hydrogens in the file, all are added" if filled else ""))
+
+
+def hydrogens_set(mol, count):
+    """The molecule with so many hydrogens as count(atom) says, and no more can be added."""
+    out = Chem.Mol(mol)
+    for atom, before in zip(out.GetAtoms(), mol.GetAtoms()):
+        atom.SetNumExplicitHs(count(before))
+        atom.SetNoImplicit(True)
+    return out
 
 
 def opened(mol, best):
@@ -180,5 +208,4 @@ def opened(mol, best):
 
 
 def named(mol, atoms):
-    words = [f"{mol.GetAtomWithIdx(n).GetSymbol()}{n + 1}" for n in atoms]
-    return ", ".join(words[:NAMED]) + (f" and {len(words) - NAMED} more" if len(words) > NAMED else "")
+    return listed([f"{mol.GetAtomWithIdx(n).GetSymbol()}{n + 1}" for n in atoms])

@@ -70,10 +70,6 @@ def _frame(lines, atoms, at, what, say, out):
     if (first > at + 1 or title == "") and atoms.get(last):
         raise BadInput(f"{what}: line {at + 1} says that {count} atoms follow, but there are more")
     numbers, x = [atoms[n][0] for n in range(first, last)], np.array([atoms[n][1:] for n in range(first, last)])
-    if 0 in numbers:
-        raise BadInput(f"{what}: atom {numbers.index(0) + 1} is of no known element: correct its symbol")
-    if not np.isfinite(x).all():
-        raise BadInput(f"{what}: a coordinate is not a finite number")
     nearest = geometry.shares(numbers, x).min(axis=1)
     if nearest.min() > 1.5 and nearest.max() < 2.2:  # as if bohr had been written for angstrom
         say("the atoms are 1.9 times too far apart: the coordinates are taken to be in bohr")
@@ -83,7 +79,7 @@ def _frame(lines, atoms, at, what, say, out):
 
 
 def _atom(line, say):
-    """(atomic number, x, y, z) of a line, or None."""
+    """(atomic number, 0 for no known element, x, y, z) of a line, or None."""
     words = line.split()
     if any(re.fullmatch(r"[+-]?\d+,\d+", w) for w in words[1:4]):
         say("decimal commas are read as points")
@@ -91,7 +87,7 @@ def _atom(line, say):
     elif "," in line:
         words = line.replace(",", " ").split()
     try:
-        x = [float(re.sub("[dD]", "e", w)) for w in words[1:4]]
+        x = [finite(re.sub("[dD]", "e", w)) for w in words[1:4]]
     except ValueError:
         return None
     symbol = re.fullmatch(r"([A-Za-z]{1,2})\d*|(\d{1,3})", words[0]) if len(x) == 3 else None

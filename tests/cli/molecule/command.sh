@@ -4,9 +4,9 @@ source "$(dirname "$0")/../lib.sh"
 source "$here/xtb.bash"
 
 bad() { refuses "molecule: $1" -- hapgrid molecule "${@:2}" -o bad; }
-bad "SMILES '\[CH3\]': 9 electrons with charge 0: a radical needs --uhf 1; otherwise give the right --charge" \
+bad "SMILES '\[CH3\]': 9 electrons with charge 0 do not go with 0 unpaired ones: give the right --charge, or --uhf 1 for a radical" \
   --smiles '[CH3]'
-bad "SMILES 'C\[Zn\]C': Zn2 is a metal, .*: take the part without it" --smiles 'C[Zn]C'
+bad "SMILES 'C\[Zn\]C': Zn2: only molecules of H He B .* can be felt: take the part without it" --smiles 'C[Zn]C'
 bad "SMILES 'CCC\(': not understood" --smiles 'CCC('
 bad 'none\.sdf: No such file or directory' none.sdf
 printf '3\n\nC 0 0 0\nC 0 0 0\nH 0 0 0\n' >nowhere.xyz
@@ -27,7 +27,7 @@ xyz Qq 0 0 0 C 0 0 1 O 1 1 1 >symbol.xyz
 bad 'symbol\.xyz: atom 1 is of no known element: correct its symbol' symbol.xyz
 bad "SMILES '\[Na\+\]\.\[Cl-\]': only single atoms or ions, Na\+ with charge \+1, Cl- with charge -1: none has a shape \
 to feel: give a molecule with bonds" --smiles '[Na+].[Cl-]'
-bad "SMILES 'CCO': 26 electrons, of which 1 cannot be the unpaired ones \(--uhf\)" --smiles CCO --uhf 1
+bad "SMILES 'CCO': 26 electrons with charge 0 do not go with 1 unpaired ones: give the right --charge, or --uhf 1 for a radical" --smiles CCO --uhf 1
 rm -- *.sdf *.xyz obabel.log
 expect 2 '' 'molecule: give either FILE or --smiles (see --help)' -- hapgrid molecule -o bad
 nothing_left .
@@ -35,7 +35,7 @@ nothing_left .
 # A flat SDF of a salt: the larger ion is taken, without hydrogens and coordinates as it is.
 obabel -:'CC[O-].[Na+]' -osdf -O salt.sdf 2>obabel.log
 play='hapgrid play salt/salt\.grid --device path:salt/path-H4-C1-C2-O3\.txt --rate 1000 --frames - | hapgrid view --web'
-expect 0 "~${play//|/\\|}" '~.*salt\.sdf: 2 molecules or shapes: the largest is taken, C2H5O- with charge -1; left out: Na\+ with charge \+1; Na is a metal and is not felt.*' -- \
+expect 0 "~${play//|/\\|}" '~.*salt\.sdf: 2 molecules or shapes: the largest is taken, C2H5O- with charge -1; left out: Na\+ with charge \+1.*' -- \
   hapgrid molecule salt.sdf -o salt --method gfnff --spacing 1.2
 same "number of paths" 1 "$(ls salt/path-*.txt | wc -l)"
 

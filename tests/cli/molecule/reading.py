@@ -115,7 +115,7 @@ def groups():
         assert reading.read(path, None).formula == formula, formula
     for smiles, charge, why in (
             ("CC(=O)[O-]", 3, "its bonds fit --charge -1, and not +3"), ("C1CC1", 2, "its bonds fit --charge 0, and not +2"),
-            ("c1cc[nH]c1", 1, "35 electrons with charge +1: a radical needs --uhf 1"), ("[H][H]", 2, "its bonds fit --charge 0")):
+            ("c1cc[nH]c1", 1, "35 electrons with charge +1 do not go with 0 unpaired ones"), ("[H][H]", 2, "its bonds fit --charge 0")):
         try:
             reading.read(None, smiles, charge)
             raise AssertionError(f"{smiles} {charge}")
@@ -191,7 +191,7 @@ def hostile():
     for n in range(len(INPUTS)):
         name = INPUTS[n % len(INPUTS)]
         content = bytearray(open(f"{HERE}/inputs/{name}", "rb").read())
-        for _ in range(chance.randrange(1, 6)):
+        for _ in range(chance.randrange(1, 3)):
             at = chance.randrange(len(content))
             if chance.random() < 0.5:
                 content[at] = chance.choice(b"0123456789-+. \nACHNOMV*\xff")
