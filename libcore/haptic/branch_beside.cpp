@@ -1,5 +1,6 @@
 // How a BranchTraversal chooses its branch where the model walks beside the grid.
 #include <algorithm>
+#include <utility>
 
 #include "libcore/grid/vec3.hpp"
 #include "libcore/haptic/branch_traversal.hpp"
@@ -29,20 +30,37 @@ bool is_near_cell(const Vec3& part) {
 
 void BranchTraversal::settle(StepResult& result) noexcept {
   if (!beside_) return;
+  if (beside_->has_thread()) {
+    pass_over_older(result, beside_->tick() + 1);
+    result.still_held = offset_.is_held();
+    if (!result.still_held) followed_ = nullptr;
+    is_told_ = false;
+    return;
+  }
+  tell(result);
+  pass_over_older(result, beside_->tick());
+  follow_newest(result);
+}
+
+/// If the grid has snapped in this tick, late answers still tell of the branch before: they are
+/// passed over until one comes that is as late after the snap.
+void BranchTraversal::pass_over_older(const StepResult& result, std::uint64_t tick) noexcept {
+  if (result.started) trusted_from_ = tick;
+  if (result.snapped) trusted_from_ = tick + age_of_answer(tick);
+}
+
+void BranchTraversal::tell_model() noexcept {
+  if (!std::exchange(is_told_, true)) tell(last_step());
+}
+
+void BranchTraversal::tell(const StepResult& result) noexcept {
   if (result.started) {
     beside_->start(position());
-    trusted_from_ = beside_->tick();
   } else if (result.chosen != kNoLevel) {
     beside_->start(position(), result.chosen);
   } else {
     beside_->follow(position());
   }
-  // If the grid has snapped, late answers still tell of the branch before: they are passed over
-  // until one comes that is as late after the snap.
-  if (result.snapped) trusted_from_ = beside_->tick() + age_of_answer();
-  if (!beside_->has_thread()) return follow_newest(result);
-  result.still_held = offset_.is_held();
-  if (!result.still_held) followed_ = nullptr;
 }
 
 void BranchTraversal::follow_model(StepResult& result) noexcept {
@@ -50,10 +68,10 @@ void BranchTraversal::follow_model(StepResult& result) noexcept {
   follow_newest(result);
 }
 
-/// The newest answer's, in ticks; 0 where there is none.
-std::uint64_t BranchTraversal::age_of_answer() const noexcept {
+/// The newest answer's in this tick, in ticks; 0 where there is none.
+std::uint64_t BranchTraversal::age_of_answer(std::uint64_t tick) const noexcept {
   const BesideAnswer* const answer = beside_->answer();
-  return answer ? beside_->tick() - answer->tick : 0;
+  return answer ? tick - answer->tick : 0;
 }
 
 /// The grid decides where the model does not.
@@ -70,7 +88,7 @@ void BranchTraversal::follow_newest(StepResult& result) noexcept {
   }
   followed_ = nullptr;
   offset_.let_go();
-  if (decide_by_grid(result)) trusted_from_ = beside_->tick() + age_of_answer();
+  if (decide_by_grid(result)) pass_over_older(result, beside_->tick());
 }
 
 /// A hand that turns round does not come to where the model looked ahead, but back to where it was:

@@ -55,6 +55,7 @@ class BranchTraversal final : public Traversal {
                   std::uint16_t max_sub_steps = kDefaultMaxSubSteps);
   void walk_beside(Beside* beside) override { beside_ = beside; }
   bool is_corrected_between() const noexcept override { return beside_ && beside_->has_thread(); }
+  void tell_model() noexcept override;
   const BesideAnswer* followed() const override { return followed_; }
   const BranchNodes* branch_nodes() const override { return &map_->nodes; }
 
@@ -87,7 +88,9 @@ class BranchTraversal final : public Traversal {
                    const std::array<RecordIndex, 8>& kept, Branch& branch) const noexcept;
   void change_anchor(StepResult& result) noexcept;
   void follow_newest(StepResult& result) noexcept;
-  std::uint64_t age_of_answer() const noexcept;
+  void tell(const StepResult& result) noexcept;
+  void pass_over_older(const StepResult& result, std::uint64_t tick) noexcept;
+  std::uint64_t age_of_answer(std::uint64_t tick) const noexcept;
   const BesideAnswer& keep_nearest(const BesideAnswer& newest) noexcept;
   void follow(const BesideAnswer& answer, StepResult& result) noexcept;
   double find_missing(const std::array<const double*, 8>& rows,
@@ -113,6 +116,7 @@ class BranchTraversal final : public Traversal {
   FadingOffset offset_;  // of row()
 
   Beside* beside_ = nullptr;
+  bool is_told_ = true;                     // of the last step, if another thread asks the model
   const BesideAnswer* followed_ = nullptr;  // by the last step
   std::uint64_t held_tick_ = 0;             // of the last answer that was followed
   static constexpr std::size_t kKept = 16;

@@ -248,6 +248,7 @@ void drive(Device& device, Mapping& mapping, Traversal& traversal, SafetyCore& s
     tick.lateness_ns = pacer.lateness_ns();
     sent_ns = clock.now();
     tick.compute_ns = sent_ns - pacer.began_ns();
+    traversal.tell_model();
     summary.count(tick);
     sink(tick);
     summary.missed += passed - 1;

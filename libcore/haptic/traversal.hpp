@@ -118,8 +118,10 @@ class Traversal {
   /// From now on the model corrects state and force, where it keeps up. A rule that has no branches
   /// ignores it. @param beside of the same grid; it is told of each step, and outlives this.
   virtual void walk_beside(Beside*) {}
-  /// Whether correct() is to be called between two steps.
+  /// Whether the model is asked by another thread: then tell_model() is to be called after each
+  /// step, and correct() before the next one.
   virtual bool is_corrected_between() const noexcept { return false; }
+  virtual void tell_model() noexcept {}
   /// Between two steps: takes what the model has said since the last one, as a step does in which
   /// the hand rests. So no step waits for memory that the model's thread has written. If the state
   /// snaps, the next step says so. @returns whether last_step() is such a step now

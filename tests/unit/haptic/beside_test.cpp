@@ -292,6 +292,7 @@ TEST_CASE("a thread follows the hand along its whole way, and nobody waits for i
 
 /// Until the thread's answer to the last step was taken.
 void wait_for_answer(BranchTraversal& t, NodeForce& force, const Beside& beside) {
+  t.tell_model();
   for (int i = 0; i < 20'000; ++i) {
     REQUIRE(t.correct());
     force(t);
