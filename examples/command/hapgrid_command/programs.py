@@ -2,6 +2,7 @@
 
 import ctypes
 import errno
+import multiprocessing.context
 import os
 import shutil
 import signal
@@ -70,6 +71,26 @@ def end_with_parent():
         signal.signal(number, signal.SIG_DFL)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     ctypes.CDLL(None).prctl(_PDEATHSIG, signal.SIGKILL)
+
+
+class _Worker(multiprocessing.context.ForkProcess):
+    terminate = multiprocessing.context.ForkProcess.kill
+
+
+class _Workers(multiprocessing.context.ForkContext):
+    Process = _Worker
+
+
+def workers(count):
+    """A multiprocessing.Pool of forked processes, which leave signals to this one. If a signal to all of them, as timeout
+    and batch systems send it, ended one while it waits for work, the lock that it holds would keep the pool from ending."""
+    return _Workers().Pool(count, _leave_signals)
+
+
+def _leave_signals():
+    end_with_parent()
+    for number in ENDING:
+        signal.signal(number, signal.SIG_IGN)
 
 
 def run_program(words, directory, watch=None):

@@ -1,11 +1,10 @@
 """The steps from a molecule to the paths around its conformation. Each is kept, so that a run that was stopped goes on."""
 
-import multiprocessing
 from dataclasses import replace
 
 import numpy as np
 from hapgrid_command.files import Failed
-from hapgrid_command.programs import end_with_parent, raise_if_stopped
+from hapgrid_command.programs import raise_if_stopped, workers
 
 from . import geometry, optimise, path, rotors, torsions
 from .molecule import conformers
@@ -56,7 +55,7 @@ class Search:
             return
         tell = self.start.folder.counted(what, len(values))
         threads = min(self.start.options.threads, len(values))
-        with multiprocessing.get_context("fork").Pool(threads, end_with_parent) as pool:
+        with workers(threads) as pool:
             raise_if_stopped()
             for done, result in enumerate(pool.imap(_ask, [(method, kind, value) for value in values]), 1):
                 tell(done)

@@ -3,7 +3,10 @@
 import json
 import os
 import signal
+import subprocess
 import sys
+import time
+from contextlib import suppress
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -229,6 +232,26 @@ for one in (low, Path([pair] * 4, [-1.5] * 4, 3, {1: "saddle", 3: "minimum"}, "t
         wrong += [] if isinstance(one, Path) and name in ("nu1", "near", "far") else [None]
         for value in wrong:
             assert refused({**kept, name: value}), (one, name, value)
+
+# One that all processes get, as from timeout, ends them, also where one waits for work.
+ASKED = """
+import time
+from hapgrid_command import programs
+programs.catch_signals()
+with programs.workers(2) as pool:
+    print(flush=True)
+    list(pool.imap(time.sleep, [0, 1000]))
+"""
+began = subprocess.Popen([sys.executable, "-c", ASKED], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+                         start_new_session=True, env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)})
+began.stdout.readline()
+time.sleep(0.5)  # for the one that sleeps for no time
+os.killpg(began.pid, signal.SIGTERM)
+try:
+    began.wait(60)
+finally:
+    with suppress(ProcessLookupError):
+        os.killpg(began.pid, signal.SIGKILL)
 
 # A signal that comes while processes are forked is not lost.
 programs.catch_signals()
