@@ -32,6 +32,7 @@ void BranchTraversal::settle(StepResult& result) noexcept {
   if (!beside_) return;
   if (beside_->has_thread()) {
     pass_over_older(result, beside_->tick() + 1);
+    next_place_ = result.started ? position() : position() + (position() - result.from);
     result.still_held = offset_.is_held();
     if (!result.still_held) followed_ = nullptr;
     is_told_ = false;
@@ -39,6 +40,7 @@ void BranchTraversal::settle(StepResult& result) noexcept {
   }
   tell(result);
   pass_over_older(result, beside_->tick());
+  next_place_ = position();
   follow_newest(result);
 }
 
@@ -99,7 +101,7 @@ const BesideAnswer& BranchTraversal::keep_nearest(const BesideAnswer& newest) no
     kept_[last_kept_] = newest;  // as long as those before: nothing is allocated
   }
   const BesideAnswer* nearest = &kept_[last_kept_];
-  const auto away = [&](const BesideAnswer& answer) { return length_of(answer.at - position()); };
+  const auto away = [&](const BesideAnswer& answer) { return length_of(answer.at - next_place_); };
   for (const BesideAnswer& answer : kept_)
     if (answer.tick >= trusted_from_ && newest.tick - answer.tick <= kOldestKept &&
         away(answer) < away(*nearest))

@@ -118,6 +118,8 @@ class BranchTraversal final : public Traversal {
   Beside* beside_ = nullptr;
   bool is_told_ = true;                     // of the last step, if another thread asks the model
   const BesideAnswer* followed_ = nullptr;  // by the last step
+  Vec3 next_place_{0, 0, 0};                // where an answer counts: if that is in the next step,
+                                            // where the hand is then if it goes straight on
   std::uint64_t held_tick_ = 0;             // of the last answer that was followed
   static constexpr std::size_t kKept = 16;
   std::array<BesideAnswer, kKept> kept_{};  // the last answers, a ring

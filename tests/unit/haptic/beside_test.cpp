@@ -352,6 +352,19 @@ TEST_CASE("between two answers of the thread's model, what the grid lacks stays 
     wait_for_answer(t, force, beside);
   }
   REQUIRE(beside.answer()->at == Vec3{2.9, 0, 0});
+  // If the hand goes straight on, the answer is about where it comes to.
+  for (int i = 0; i < 100; ++i) {
+    const double x = 2.9 + 0.01 * std::abs(50 - i), f = step(x);
+    if (i > 1 && std::abs(i - 51) > 1) {
+      CHECK(std::abs(t.state()[0] - x - wave(x)) < 1e-9);  // roundings of places
+      CHECK(std::abs(f + x / 10 - wave(x)) < 1e-6);        // the grid's forces are floats
+    }
+    wait_for_answer(t, force, beside);
+  }
+  for (int i = 0; i < 3; ++i) {
+    step(2.9);
+    wait_for_answer(t, force, beside);
+  }
   for (const double x : {2.9, 2.95, 3.0, 3.05}) {  // over a point, where the corners change
     const double f = step(x);
     CHECK(std::abs(t.state()[0] - x - wave(2.9)) < 1e-12);  // some roundings
