@@ -99,8 +99,7 @@ class Responder {
 
   /// Between two ticks: state and force take what the model beside the grid has said.
   void correct() {
-    if (!traversal_.correct()) return;
-    if constexpr (requires { force_.correct(traversal_); }) force_.correct(traversal_);
+    if (traversal_.correct()) static_cast<void>(force_(std::as_const(traversal_)));
   }
 
   /// @param dt seconds since the tick before, by the schedule. @param missed ticks in between.
@@ -260,11 +259,11 @@ void drive(Device& device, Mapping& mapping, Traversal& traversal, SafetyCore& s
 
 /// Drives `device` until it ends or fails or `stop` is nonzero.
 /// @param force  Vec3 (const Traversal&): the force in newtons at the traversal's position, asked
-///               after each usable step, of which it knows by Traversal::last_step(). Real-time
+///               after each usable step, of which it knows by Traversal::last_step(), and after
+///               each Traversal::correct(), where it is not sent. Real-time
 ///               safe. It may have a member double stored_energy(const Traversal&): the energy in
 ///               joules that the hand can get from the model there, asked after the force where
-///               the safety core needs it; and a member void correct(const Traversal&), which is
-///               called after each Traversal::correct().
+///               the safety core needs it.
 /// @param sink   void (const Tick&), after the force was sent; real-time safe when paced.
 /// @param heartbeat counts the ticks as they begin, for a watchdog in another thread.
 /// @throw whatever force and sink throw, after a zero force was sent.

@@ -36,10 +36,6 @@ class PlayForce {
   Vec3 operator()(const Traversal& traversal) noexcept {
     return nodes_ ? (*nodes_)(traversal) : fields_.force(traversal.position(), traversal.row());
   }
-  /// After Traversal::correct(): the forces between the nodes follow the model's, too.
-  void correct(const Traversal& traversal) noexcept {
-    if (nodes_) (*nodes_)(traversal);
-  }
   /// The energy that the hand can get from the model there, in newtons times the model's unit of
   /// length; nothing where it is not known. Real-time safe, as far as the model.
   std::optional<double> stored_energy(const Traversal& traversal) const noexcept {
