@@ -69,7 +69,7 @@ Check prove_passive(const Grid& grid, const BranchMap& branches, const RecordFie
              forces.why_not));
 }
 
-Check measure_accuracy(const Grid& grid, const Examination& asked, WalkModels models) {
+Check measure_accuracy(const Grid& grid, const Examination& asked, const WalkModels& models) {
   std::atomic<std::uint64_t> done{0};
   const ProgressLine progress = progress_of("accurate", done, asked.walks, "walks");
   const Walked walked =
