@@ -133,7 +133,7 @@ std::vector<Check> examine(const Grid& grid, const Examination& asked) {
                         return create_model(*source, spec);
                       })};
     if (knows_force) models.fields = [&] { return Fields(spec, judge, /*wants_shape=*/false); };
-    add(measure_accuracy(grid, asked, std::move(models)));
+    add(measure_accuracy(grid, asked, models));
   }
   return checks;
 }

@@ -305,7 +305,8 @@ void wait_for_answer(BranchTraversal& t, NodeForce& force, const Beside& beside)
 
 TEST_CASE("what the thread's model says is taken between two steps, of which the next one tells") {
   const Grid grid = line();
-  BranchTraversal t(grid, std::make_shared<const BranchMap>(grid));
+  const auto branches = std::make_shared<const BranchMap>(grid);
+  BranchTraversal t(grid, branches);
   Beside beside(grid, model_of_line(grid.spec(), kEndsEarly), std::nullopt);
   beside.begin(1000);
   t.walk_beside(&beside);
@@ -313,7 +314,9 @@ TEST_CASE("what the thread's model says is taken between two steps, of which the
   CHECK_FALSE(t.correct());  // nothing has begun
   RecordFields fields;
   for (RecordIndex i = 0; i < grid.records(); ++i) fields.force.push_back({0, 0, 0});
-  NodeForce force(std::make_shared<const NodeEnergies>(grid, fields), grid.box(), mean_force);
+  const auto energies = std::make_shared<NodeEnergies>(grid, fields);
+  energies->add_ghosts(grid, branches->nodes);
+  NodeForce force(energies, grid.box(), mean_force);
   // The model says that the branch ends at 4.3, the grid at 4.5. Nothing jumps in a step itself:
   // the one after the snap tells of it.
   int told = 0;
