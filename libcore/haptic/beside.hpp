@@ -48,8 +48,8 @@ struct BesideAnswer {
   std::optional<Vec3> force;  ///< newtons; nothing: the model does not say
 };
 
-/// For one hand. start(), follow() and answer() are called by one thread; they never wait for the
-/// other thread, and are real-time safe when there is one.
+/// For one hand. start(), follow(), receive() and answer() are called by one thread; they never
+/// wait for the other thread, and are real-time safe when there is one.
 class Beside {
  public:
   /// An answer that is older than this is not given.

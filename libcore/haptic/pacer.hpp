@@ -32,8 +32,8 @@ class Pacer {
   /// through a signal's handler. A thread that always waits awake, or is always late, sleeps for a
   /// moment each half second all the same: see kLongestBusy in realtime.hpp. Real-time safe.
   std::uint64_t wait(const std::atomic<int>& stop) noexcept;
-  /// Waits until an eighth of a period before that tick is due, or returns at once when not paced:
-  /// then the loop does what does not depend on the hand's place. Real-time safe.
+  /// Waits until an eighth of a period before that tick is due, so that the loop can do there what
+  /// needs no place of the hand. Returns at once when not paced. Real-time safe.
   void wait_for_eve(const std::atomic<int>& stop) noexcept;
 
   /// How long after its due time the last tick began, in nanoseconds; 0 when not paced.
