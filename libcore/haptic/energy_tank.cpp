@@ -24,6 +24,10 @@ constexpr double kReturn = 0.03;       // in all other cases
 constexpr double kRestTime = 0.25;
 constexpr double kRestRadius = 3e-3;
 constexpr double kRestMean = 0.1;
+constexpr double kHoldTime = 2;  // seconds of rest after which the hand holds
+// Seconds after which what was charged for late forces is forgotten: a way to a contact takes about
+// as long.
+constexpr double kLateTime = 0.5;
 // Joules. The tank of a resting hand is filled up to half of what the model holds, but at least up
 // to this, if the model holds as much: a tremble takes a part of it out and brings it back.
 constexpr double kLow = 5e-5;
@@ -89,14 +93,15 @@ void EnergyTank::move(const TankTerms& terms, const Vec3& place, double dt, bool
     energy_ -= work;
     way_ = way;
     charged_ = work;
-    const double most = rests() ? kMostDamped : kMostDampedMoving;
-    damped_ = sure ? std::min(terms.damping * dot(way, way) / dt, most * dt) : 0;
+    damped_ = sure ? std::min(terms.damping * dot(way, way) / dt, kMostDamped * dt) : 0;
+    most_late_ = sure ? kMostLate * dt : 0;
     // A sum that cannot be computed stands for a tank that is empty for good.
     if (!std::isfinite(energy_)) energy_ = std::numeric_limits<double>::lowest();
   }
   place_ = place;
   placed_ = true;
-  if (rested_ == 0) rest_ = place;
+  late_ *= kLateTime / (kLateTime + dt);
+  if (rested_ == 0) rest_ = place, given_ = 0;
   rest_ = rest_ + dt / (kRestMean + dt) * (place - rest_);
   rested_ = length_of(place - rest_) <= kRestRadius ? rested_ + dt : 0;
 
@@ -216,10 +221,20 @@ void EnergyTank::refill(const TankTerms& terms, double held, double dt) noexcept
   if (!rests() || terms.damping == 0) return;
   const bool is_weak = energy_ < 0 || length_of(withheld_) > kNothing;
   // What is not a number adds nothing.
-  const double all = std::max(0.0, held);
-  const double wanted = is_weak ? all + kAbove : std::max(all / 2, std::min(all, kLow));
-  const double lacks = wanted - energy_;
-  if (lacks > 0) energy_ += std::min(lacks, (is_weak ? kRefill : kTopUp) * dt);
+  const double all = std::max(0.0, held), above = all + kAbove;
+  const auto fill = [&](double wanted, double most) {
+    const double more = std::clamp(wanted - energy_, 0.0, std::max(0.0, most));
+    energy_ += more;
+    return more;
+  };
+  late_ -= fill(above, late_);
+  const double wanted = is_weak ? above : std::max(all / 2, std::min(all, kLow));
+  if (rested_ < kHoldTime) {
+    given_ += fill(wanted, kGift - given_);
+  } else {
+    fill(wanted, kRefill * dt);
+  }
+  const double lacks = above - energy_;
   if (is_weak && lacks < kAbove / 2)
     for (double& w : withheld_) w *= kFilledReturn / (kFilledReturn + dt);
 }
@@ -227,9 +242,12 @@ void EnergyTank::refill(const TankTerms& terms, double held, double dt) noexcept
 void EnergyTank::sent(const Vec3& force) noexcept {
   const double mean = dot(0.5 * (forces_[last_force_] + force), way_);
   // What is not a number gives nothing back.
-  if (const double late = charged_ - mean; late > 0 && damped_ > 0)
-    energy_ += std::min(late, damped_);
-  damped_ = 0;
+  if (const double late = charged_ - mean; late > 0) {
+    const double now = std::min(late, damped_);
+    energy_ += now;
+    late_ += std::max(0.0, std::min(late, most_late_) - now);
+  }
+  damped_ = most_late_ = 0;
   last_force_ = (last_force_ + 1) % kForces;
   forces_[last_force_] = force;
 }

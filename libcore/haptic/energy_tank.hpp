@@ -5,40 +5,35 @@
 // tank holds the energy that the hand stored. Before a force is sent, the tank must cover what it
 // would cost to let go of that force at the slew limit while the hand runs along with it. So zero
 // can always be reached within the slew, and it is paid for. For any sequence of forces, the energy
-// returned is at most what the tank was granted, plus kTankSlack, plus the reserve, plus what a
-// damper of TankTerms::damping takes from the hand on its way, plus kRefill W while a hand rests
-// whose tank runs low or whose force is weakened.
+// returned is at most the sum of: what the tank was granted; kTankSlack; the reserve; what a damper
+// of TankTerms::damping takes from the hand on its way, but at most kMostDamped; and while the hand
+// rests kMostLate, kGift each time that it comes to rest, and kRefill from the time on when it
+// holds.
 //
 // Why the damper. A force that comes late, if only by the half of a tick for which it is held,
 // gives back more than it took, on each way to and fro. The tank charges the hand for that, and for
-// one more tick. So a spring K that a trembling hand holds would cost the hand 3/2 K dx^2 in a
-// tick, and its force would fade within seconds. But a hand and a device have friction. A sampled
-// spring is passive if their damping b is at least K T / 2 (Colgate and Schenkel 1997, Passivity of
-// a class of sampled-data systems, J. Robotic Systems 14(1)). So what was charged beyond the mean
-// of the forces at both ends of a way is given back, at most b v^2 dt: as much as the damper takes.
-// Nor is more given back than kMostDamped dt to a hand that rests, and kMostDampedMoving dt to one
-// that moves. A hand that trembles by 0.3 mm at 12 Hz on each axis loses 1.1 mW at most to 0.7 N
-// s/m. A hand that goes from place to place is faster: it would be given much, with which it could
-// pay for snaps that lead up. With 3 mW also for hands that move, the default hand gets back 0.13
-// mJ from ethanol in one of 1,000 sessions, and at most 0.08 mJ with 1.5 mW.
+// one more tick. So a spring K that a hand moves would cost it 3/2 K dx^2 in a tick, and the force
+// that a trembling hand holds would fade within seconds. But a hand and a device have friction. A
+// sampled spring is passive if their damping b is at least K T / 2 (Colgate and Schenkel 1997,
+// Passivity of a class of sampled-data systems, J. Robotic Systems 14(1)). So what was charged
+// beyond the mean of the forces at both ends of a way is given back, at once as much as the damper
+// takes. A hand that goes from place to place could pay with it for snaps that lead up, so that
+// kMostDamped bounds it. A hand that rests gets the remainder of the last half second as well: that
+// is what a tremble and the way to the contact have cost.
 //
 // Why the refill. Where a hand comes to a contact, the interpolated energy dips below the lowest
-// one of the records, or jumps where corners change. And the damping may take less than was
-// charged. Then the tank has less than the model holds, and a hand that trembles there would be
-// weakened for good: it stores less with a weakened force, and gets less back. So the tank of a
-// resting hand is filled until it has half of what the model holds, before it is empty. If the
-// force is weakened all the same, the weakening stays nearly constant until the tank has more than
-// all of it: a force that came back within a tremble would give out on each way out what was filled
-// in. Then the force comes back at once. Before the force is weakened, kTopUp keeps up with what a
-// tremble costs; with kRefill there, the default hand gets back 0.19 mJ from leu-enkephalin in one
-// of 1,000 sessions, and at most 0.09 mJ so. The hand counts as resting after a quarter of a
-// second, so that all this is over within the first second of a contact. A hand that goes from
-// place to place gets none of it, and a hand at rest no more than kRefill W, which is little
-// against what fingers damp.
+// one of the records, or jumps where corners change. Then the tank has less than the model holds,
+// and a hand that trembles there would be weakened for good: it stores less with a weakened force,
+// and gets less back. So a hand that comes to rest is given kGift, if its tank has less than half
+// of what the model holds, or if its force is weakened. A hand that has rested for two seconds
+// holds a contact, and gets kRefill until its tank has what it lacks. A weakening stays nearly
+// constant until then: a force that came back within a tremble would give out on each way out what
+// was filled in. Then the force comes back at once. If kRefill began as soon as the hand rests, the
+// default hand would get back 0.5 mJ in one of some 10,000 sessions, and with kGift 0.1 mJ.
 //
 // The bound holds under these assumptions:
-// - The damping of hand and device is at least TankTerms::damping, or takes as much as may be given
-//   back.
+// - The damping of hand and device is at least TankTerms::damping. A hand at rest takes as much as
+//   it may be given.
 // - The hand's acceleration is at most TankTerms::acceleration.
 // - A force is in effect TankTerms::delay or one more ticks after it was sent, for whole ticks.
 // - Positions are rounded to TankTerms::encoder, and energy is counted along rounded positions.
@@ -63,14 +58,14 @@ namespace hapgrid {
 
 /// Joules by which the tank may be overdrawn before forces become softer.
 inline constexpr double kTankSlack = 1e-5;
-/// The most that counts of what the damping takes from a hand that rests, and from one that moves,
-/// W.
-inline constexpr double kMostDamped = 3e-3;
-inline constexpr double kMostDampedMoving = 1.5e-3;
-/// W with which the tank of a resting hand is filled while its force is weakened, and while it runs
-/// low before that.
+/// The most that counts of what the damping takes, W.
+inline constexpr double kMostDamped = 3e-4;
+/// The most that a resting hand gets back of what it was charged for late forces, W.
+inline constexpr double kMostLate = 3e-3;
+/// Joules that a hand is given when it comes to rest, if it lacks them.
+inline constexpr double kGift = 3.5e-5;
+/// W with which the tank is filled of a hand that holds a contact, if it lacks energy.
 inline constexpr double kRefill = 3e-3;
-inline constexpr double kTopUp = 9e-4;
 /// The largest TankTerms::delay.
 inline constexpr std::uint32_t kMaxTankDelay = 30;
 
@@ -80,7 +75,7 @@ struct TankTerms {
   double acceleration = 40;  ///< bound on the hand's, m/s^2
   double encoder = 0;        ///< step of the positions, m
   std::uint32_t delay = 0;   ///< ticks from when a force is sent until it is in effect; or one more
-  double damping = 0.7;      ///< of hand and device at least, N s/m; 0: nobody holds the device
+  double damping = 0.1;      ///< of hand and device at least, N s/m; 0: nobody holds the device
   double slew = 1000;        ///< N/s
   double period = 0.001;     ///< seconds from a tick to the next
 };
@@ -101,7 +96,8 @@ class EnergyTank {
   void grant(double joules, double most) noexcept;
   /// Whether the hand has rested for a quarter of a second, trembling by 3 mm at most.
   bool rests() const noexcept;
-  /// Fills the tank for `dt` seconds, if the hand rests and there is damping.
+  /// Gives back and fills in what the tank lacks, if the hand rests and there is damping.
+  /// @param dt seconds since it was done before.
   /// @param held joules that the model holds above its lowest energy
   void refill(const TankTerms& terms, double held, double dt) noexcept;
   double energy() const noexcept { return energy_; }
@@ -140,6 +136,9 @@ class EnergyTank {
   Vec3 way_{0, 0, 0};
   double charged_ = 0;
   double damped_ = 0;
+  double most_late_ = 0;
+  double late_ = 0;   // what was charged lately beyond the mean and not given back
+  double given_ = 0;  // of kGift, in this rest
   Vec3 place_{0, 0, 0};
   bool placed_ = false;
   // The mean of the last places, and for how many seconds the hand has been near it.

@@ -8,8 +8,8 @@
 //   |F - F of the tick before| <= slew min(dt, slew_dt), unless F is a zero that a fault demands:
 //   so the loop keeps the slew limit in wall time (loop.hpp);
 //   the energy that the hand got back <= what the hand has put in + what the model held where the
-//   ramp rose + what limits.damping takes from the motion, at most kMostDamped + kRefill while a
-//   hand rests whose tank runs low or whose force is weakened + limits.reserve + 0.01 mJ.
+//   ramp rose + what limits.damping takes from the motion, at most kMostDamped + what a resting
+//   hand is given (energy_tank.hpp) + limits.reserve + 0.01 mJ.
 //
 // The third promise assumes that the hand's acceleration, the damping of hand and device, the
 // encoder and the delay are those of the limits, and that no tick is missed; energy_tank.hpp says
@@ -78,7 +78,7 @@ struct SafetyLimits {
   double acceleration = 40;  ///< of the hand at most, m/s^2
   double encoder = 5.5e-5;   ///< the device's positions come in such steps, m
   double delay_ticks = 0;    ///< from when a force is sent until it is in effect
-  double damping = 0.7;      ///< of hand and device at least, N s/m; 0: of a device without a hand
+  double damping = 0.1;      ///< of hand and device at least, N s/m; 0: of a device without a hand
 };
 
 /// At this multiple of buzz_rate damping did not help, and the force becomes zero.

@@ -14,7 +14,7 @@
 // A line: tremor, stiffness, gain, start; contacts; how many of them feel less than 95 % of the
 // force before the core, at the end; the lowest such part; how many have swings of the force of
 // more than 1.2 times those without the tank (and more than 0.01 N); the largest such ratio; the
-// longest time until the force is full, in s.
+// longest time until the force is full for a quarter of a second, in s.
 #include <cstdlib>
 #include <memory>
 #include <numbers>
@@ -42,7 +42,7 @@ constexpr int kRate = 1000;
 struct Held {
   double raw = 0, sent = 0;           // mean magnitude in the last tenth of the hold, N
   double low = 1e300, high = -1e300;  // of the magnitude that was sent, in the last third
-  double full = 0;                    // s until the force was 95 % of the wanted one
+  double full = 0;  // s until the force was 95 % of the wanted one, for a quarter of a second
   bool snapped = false;
   double swing() const { return high - low; }
 };
@@ -89,7 +89,8 @@ class Player {
     } force{NodeForce(energies_, grid_.box(), hermite_force), limits.gain / mapping.scale()};
     Held held;
     const double ticks = seconds * kRate;
-    double n = 0;
+    double n = 0, weak = 0;
+    bool is_full = false;
     std::atomic<int> stop{0};
     std::atomic<std::uint64_t> beat{0};
     run_loop(
@@ -100,7 +101,9 @@ class Player {
           const double raw = limits.gain * length_of(tick.raw_force);
           const double sent = length_of(tick.force.force);
           if (tick.step.snapped && t > 500) held.snapped = true;
-          if (!(sent >= 0.95 * raw - 0.01) && t < 5000) held.full = t / kRate;
+          if (!(sent >= 0.95 * raw - 0.01)) weak = t;
+          if (!is_full) held.full = weak / kRate;
+          if (t - weak > kRate / 4) is_full = true;
           if (t > ticks * 2 / 3) {
             held.low = std::min(held.low, sent);
             held.high = std::max(held.high, sent);
