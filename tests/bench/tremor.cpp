@@ -5,11 +5,11 @@
 // MODELS is the directory of the plug-ins. The hand, a spring of STIFFNESS (N/m) and a damper of
 // 1.5 N s/m, holds a handle of 0.1 kg with an encoder of 5.5e-5 m. It goes to a random place of the
 // box and holds there for SECONDS (60), or begins there (START: approach or contact). On each axis
-// its point moves by a sine of TREMOR (mm) and 8 to 12 Hz. A place is a contact if the hand feels
-// 0.1 to 2.5 N there and the loop without a tank is stable: without tremor the force comes to rest,
-// and with it the state does not snap. CONTACTS (20) of them are tried, with forces that come DELAY
-// (0) ticks later than declared. The grid is alone, or the model walks beside it and its answers
-// are LATE ticks late.
+// its point moves by a sine of TREMOR (mm) and 8 to 12 Hz. A place in the box is a contact if the
+// hand feels 0.1 to 2.5 N there and the loop without a tank is stable: without tremor the force
+// comes to rest, and with it the state does not snap. CONTACTS (20) of them are tried, with forces
+// that come DELAY (0) ticks later than declared. The grid is alone, or the model walks beside it
+// and its answers are LATE ticks late.
 //
 // A line: tremor, stiffness, gain, start; contacts; how many of them feel less than 95 % of the
 // force before the core, at the end; the lowest such part; how many have swings of the force of
@@ -168,6 +168,7 @@ void measure(const Grid& grid, const Player& player, const Hand& hand, int conta
     const Held rest = player.hold(hand, from, at, phase, 0, 3, without);
     if (rest.sent < 0.1 || rest.sent > 2.5) continue;
     const Held open = player.hold(hand, from, at, phase, hand.tremor, hand.seconds, without);
+    if (open.sent < 0.999 * open.raw) continue;  // outside the box the force fades
     if (rest.swing() > 0.02 || open.snapped) {
       ++unstable;
       continue;
