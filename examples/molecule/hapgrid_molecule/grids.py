@@ -23,16 +23,16 @@ VERIFY_SHARE = 0.15  # of the time that the grid took, about
 MOST_ROOM = 4.0  # angstrom that a side of the box is moved outwards, before no more room is looked for
 LONG = 900  # seconds: for a grid that takes longer a coarser one is named
 RIGID = 6  # the last numbers of a state: shift and rotation
-# Why expand cannot compute a grid, by the word that it writes to the file of --cost, and what that means for the
-# stiffest path of the grid.
-HOPELESS = {"levels": f"with it a point has more than {MAX_LEVELS} states",
-            "model": "with it the molecule does not come to rest"}
 ROOM, RULE = "room", "rule"
+# What else is wrong with a grid, and what that means for its stiffest path: why expand cannot compute it, by the word that
+# it writes to the file of --cost, or that verify finds it broken where the anchors cannot be softer.
+HOPELESS = {"levels": f"with it a point has more than {MAX_LEVELS} states",
+            "model": "with it the molecule does not come to rest", RULE: "with it the grid breaks a rule"}
 
 
 @dataclass(frozen=True)
 class Fault:
-    """Of a grid. kind: one of HOPELESS, ROOM, RULE; text: for people; sides: how much more room each side of the box needs,
+    """Of a grid. kind: ROOM or one of HOPELESS; text: for people; sides: how much more room each side of the box needs,
     low x, y, z and high x, y, z, angstrom."""
     kind: str
     text: str

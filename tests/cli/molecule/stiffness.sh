@@ -44,3 +44,13 @@ END
 chmod +x filters/expand
 HAPGRID_BIN=$PWD/filters expect 0 '~hapgrid play .*path-past\.txt.*' '~.*H3-C1-O2-H6 is left out: with it the molecule does not come to rest.*' -- \
   "${methanol[@]::${#methanol[@]}-1}" rigid
+
+# So is one with which the grid breaks a rule, however soft the anchors are.
+ln -sf "$HAPGRID_BIN/expand" filters/expand
+cat >filters/verify <<END
+#!/bin/bash
+grep -q transition_states *.toml && exit 3
+exec "$HAPGRID_BIN/verify" "\$@"
+END
+HAPGRID_BIN=$PWD/filters expect 0 '~hapgrid play .*path-past\.txt.*' '~.*H3-C1-O2-H6 is left out: with it the grid breaks a rule.*' -- \
+  "${methanol[@]::${#methanol[@]}-1}" broken
