@@ -6,9 +6,9 @@
 // would cost to let go of that force at the slew limit while the hand runs along with it. So zero
 // can always be reached within the slew, and it is paid for. For any sequence of forces, the energy
 // returned is at most the sum of: what the tank was granted; kTankSlack; the reserve; what a damper
-// of TankTerms::damping takes from the hand on its way, but at most kMostDamped; and while the hand
-// rests kMostLate, kGift each time that it comes to rest, and kRefill from the time on when it
-// holds.
+// of TankTerms::damping takes from the hand on its way, but at most kMostDamped; and for a hand
+// that rests kMostLate, also of the half second before, kGift each time that it comes to rest, and
+// kRefill from the time on when it holds.
 //
 // Why the damper. A force that comes late, if only by the half of a tick for which it is held,
 // gives back more than it took, on each way to and fro. The tank charges the hand for that, and for
