@@ -11,6 +11,7 @@
 
 #include "libcore/model/model.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
+#include "tests/unit/haptic/random_grid.hpp"
 
 namespace hapgrid::testing {
 
