@@ -97,6 +97,8 @@ while True:
             elif fault == "crash":
                 os.kill(os.getpid(), signal.SIGSEGV)
             elif fault == "hang":
+                if "HANGS" in os.environ:  # a file, for those who wait until it does
+                    open(os.environ["HANGS"], "w", encoding="utf-8").close()
                 time.sleep(1000)
             elif fault == "close":
                 os.close(1)
