@@ -101,7 +101,10 @@ void EnergyTank::move(const TankTerms& terms, const Vec3& place, double dt, bool
   place_ = place;
   placed_ = true;
   late_ *= kLateTime / (kLateTime + dt);
-  if (rested_ == 0) rest_ = place, given_ = 0;
+  if (rested_ == 0) {
+    rest_ = place;
+    given_ = 0;
+  }
   rest_ = rest_ + dt / (kRestMean + dt) * (place - rest_);
   rested_ = length_of(place - rest_) <= kRestRadius ? rested_ + dt : 0;
 

@@ -8,8 +8,8 @@
 
 #include "libcore/haptic/branch_traversal.hpp"
 #include "libcore/haptic/node_force.hpp"
-#include "tests/unit/haptic/beside_models.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
+#include "tests/unit/haptic/line_models.hpp"
 #include "tests/unit/haptic/places.hpp"
 
 using namespace hapgrid;

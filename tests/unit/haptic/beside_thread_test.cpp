@@ -12,7 +12,7 @@
 #include "libcore/haptic/branch_traversal.hpp"
 #include "libcore/haptic/node_force.hpp"
 #include "libcore/model/process_model.hpp"
-#include "tests/unit/haptic/beside_models.hpp"
+#include "tests/unit/haptic/line_models.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::testing;

@@ -11,6 +11,7 @@
 #include "libcore/haptic/paper_traversal.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
+#include "tests/unit/haptic/line_models.hpp"
 #include "tests/unit/haptic/places.hpp"
 
 using namespace hapgrid;
@@ -93,21 +94,11 @@ TEST_CASE("on a grid of one branch both rules give the same bits") {
 TEST_CASE("along a line the state snaps where the tear fraction says, and comes back elsewhere") {
   // 0 1 2 3 4 on the upper branch, which ends 10.5/32 behind 4; the lower one, -100, from 3 on,
   // ends 5.5/32 before 3 on the way back.
-  const Box box{{0, 0, 0}, 1, {8, 1, 1}};
-  RecordColumns columns;
-  for (int i = 0; i < 8; ++i)
-    for (const bool upper : {true, false}) {
-      if (upper ? i > 4 : i < 3) continue;
-      const Level left = i == 0 ? kLeavesBox : !upper && i >= 4 && i <= 5;
-      const Level right = i == 7 ? kLeavesBox : !upper && i < 4;
-      tiny::add(columns, static_cast<PointIndex>(i), !upper && i <= 4, 0, upper ? 10.0 + i : -100,
-                left, right);
-      columns.tears.resize(columns.links.size(), kNoTear);
-      TearByte* const tears = &columns.tears[columns.links.size() - kDirections];
-      if (upper && i == 4) tears[tiny::kRight] = 10;
-      if (!upper && i == 3) tears[tiny::kLeft] = 5;
-    }
-  GridSpec spec = spec_for(box, 1);
+  RecordColumns columns = line_columns();
+  columns.tears.assign(columns.links.size(), kNoTear);
+  columns.tears[5 * kDirections + tiny::kRight] = 10;  // of 4 on the upper branch
+  columns.tears[4 * kDirections + tiny::kLeft] = 5;    // of 3 on the lower one
+  GridSpec spec = spec_for(line_box(), 1);
   spec.tears = true;
   const Grid grid(spec, 1, columns);
   const auto map = std::make_shared<const BranchMap>(grid);

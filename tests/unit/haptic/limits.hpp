@@ -19,4 +19,12 @@ inline SafetyLimits only_clamp(double max_force) {
           .watchdog_ticks = kOff};
 }
 
+/// Every stage off but slew, clamp and tank.
+inline SafetyLimits only_tank(double damping = 0) {
+  SafetyLimits limits = only_clamp(3);
+  limits.slew = 1;
+  limits.damping = damping;
+  return limits;
+}
+
 }  // namespace hapgrid::testing

@@ -1,4 +1,4 @@
-// Models that differ from their grids, for tests of the model beside the grid.
+// Grids along a line, and models that differ from them.
 #pragma once
 
 #include <algorithm>
@@ -22,9 +22,9 @@ inline constexpr double kEndsEarly = 4.3, kEndsLate = 4.9, kComesBack = 2.6;
 /// Along a line: 10 + x on the upper branch, -100 on the lower one.
 inline double state_at(bool upper, double x) { return upper ? 10 + x : -100; }
 
-/// The grid says that the upper branch ends at 4.5, the middle of a link, and comes back at 2.5.
-inline Grid line() {
-  const Box box{{0, 0, 0}, 1, {8, 1, 1}};
+/// Records at 0 1 2 3 4 on the upper branch, and at 3 4 5 6 7 on the lower one: in the order of
+/// points, at each of them the upper branch first.
+inline RecordColumns line_columns() {
   RecordColumns columns;
   for (int i = 0; i < 8; ++i)
     for (const bool upper : {true, false}) {
@@ -34,8 +34,13 @@ inline Grid line() {
       tiny::add(columns, static_cast<PointIndex>(i), !upper && i <= 4, 0, state_at(upper, i), left,
                 right);
     }
-  return Grid(spec_for(box, 1), 1, columns);
+  return columns;
 }
+
+inline Box line_box() { return {{0, 0, 0}, 1, {8, 1, 1}}; }
+
+/// The grid says that the upper branch ends at 4.5, the middle of a link, and comes back at 2.5.
+inline Grid line() { return Grid(spec_for(line_box(), 1), 1, line_columns()); }
 
 inline std::unique_ptr<Model> model_of_line(const GridSpec& spec, double ends, int pause_us = 0) {
   return std::make_unique<tiny::TestModel>(
@@ -55,8 +60,7 @@ inline double wave(double x) { return kWave * std::sin(2 * std::numbers::pi * x)
 
 /// One branch: state and force along x are linear, but for the wave.
 inline Grid straight_line() {
-  const Box box{{0, 0, 0}, 1, {8, 1, 1}};
-  GridSpec spec = spec_for(box, 1);
+  GridSpec spec = spec_for(line_box(), 1);
   spec.tolerance = 4 * kWave;
   spec.stored.force = true;
   RecordColumns columns;
