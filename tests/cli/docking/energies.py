@@ -238,8 +238,9 @@ def within(folder):
     print(f"within: {min(ours):.2f} to {max(ours):.2f} kcal/mol, off from autodock4 by {max(off):.4f} kcal/mol at most")
     assert max(ours) - min(ours) > 0.3, "the shapes do not differ"
     # autodock4 prints two decimals, and takes distances at the multiple of 0.01 angstrom below them: at 2 angstrom this
-    # adds 6 % to a repulsion that goes with the distance to the power of -12.
-    assert max(off) < 0.006 + 0.06 * max(ours), sorted(zip(off, ours, theirs))[-5:]
+    # adds 6 % to a repulsion that goes with the distance to the power of -12. The repulsion of a shape is not known; it is
+    # taken to be at most the spread of the energies. obabel makes other shapes in each run.
+    assert max(off) < 0.006 + 0.06 * (max(ours) - min(ours)), sorted(zip(off, ours, theirs))[-5:]
 
 
 def wall(folder):
