@@ -15,7 +15,7 @@ constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 // Seconds over which the hand's speed is measured: shorter, and an encoder's step looks fast.
 constexpr double kWindow = 0.002;
 // Seconds in which a force that was withheld comes back.
-constexpr double kRestReturn = 3;      // to a hand that rests, while the tank is filled
+constexpr double kRestReturn = 0.7;    // to a hand that rests, while the tank is filled
 constexpr double kFilledReturn = 0.1;  // to such a hand, when the tank is full
 constexpr double kSlowReturn = 0.3;    // to a hand that moves, while the tank is overdrawn
 constexpr double kReturn = 0.03;       // in all other cases
@@ -24,7 +24,7 @@ constexpr double kReturn = 0.03;       // in all other cases
 constexpr double kRestTime = 0.25;
 constexpr double kRestRadius = 3e-3;
 constexpr double kRestMean = 0.1;
-constexpr double kHoldTime = 2;  // seconds of rest after which the hand holds
+constexpr double kHoldTime = 2.5;  // seconds of rest after which the hand holds
 // Seconds after which what was charged for late forces is forgotten: a way to a contact takes about
 // as long.
 constexpr double kLateTime = 0.5;
@@ -211,11 +211,17 @@ Vec3 EnergyTank::bound(const TankTerms& terms, const Vec3& wanted, const Vec3& b
   return shorter + part * way;
 }
 
-void EnergyTank::grant(double joules, double most) noexcept {
-  const double more = std::min(joules, most - energy_);
-  if (!(more > 0)) return;  // also where one of them is not a number
-  energy_ += more;
-  granted_ += more;
+void EnergyTank::ramp(double before, double part, double held) noexcept {
+  if (before == 0) ramp_left_ = held - std::max(0.0, energy_);
+  const auto grant = [&](double joules, double most) {
+    const double more = std::min(joules, most - energy_);
+    if (!(more > 0)) return;  // also where one of them is not a number
+    energy_ += more;
+    granted_ += more;
+    ramp_left_ -= more;
+  };
+  grant((part - before) * held, part * held);
+  grant(ramp_left_, part * (held + kAbove));
 }
 
 bool EnergyTank::rests() const noexcept { return rested_ >= kRestTime; }

@@ -25,12 +25,12 @@
 // one of the records, or jumps where corners change. Then the tank has less than the model holds,
 // and a hand that trembles there would be weakened for good: it stores less with a weakened force,
 // and gets less back. So a hand that comes to rest is given kGift, if its tank has less than half
-// of what the model holds, or if its force is weakened. A hand that has rested for two seconds
-// holds a contact, and gets kRefill until its tank has what it lacks. A weakening stays nearly
-// constant until then: a force that came back within a tremble would give out on each way out what
-// was filled in. Then the force comes back at once. With kRefill in the first second after a start
-// as well, 0.55 mJ came back at worst in 72,000 sessions of the default hand with nine grids;
-// without it, 0.1 mJ, and 0.131 mJ in 108,000 sessions with four more seeds.
+// of what the model holds, or if its force is weakened. A hand that has rested for 2.5 s holds a
+// contact, and gets kRefill until its tank has what it lacks. Until then a force that is weakened
+// comes back slowly: within a tremble, it would give out on each way out what was filled in. Then
+// it comes back at once. With kRefill after 2 s of rest, up to 0.39 mJ came back in a session of
+// the default hand, and with kRefill in the first second after a start as well, 0.55 mJ. In
+// 120,000 sessions with the choice made here it was 0.28 mJ, and 0.1 mJ with all grids but one.
 //
 // The bound holds under these assumptions:
 // - The damping of hand and device is at least TankTerms::damping. A hand at rest takes as much as
@@ -92,9 +92,11 @@ double letgo(double force, double speed, const TankTerms& terms) noexcept;
 /// bound() if a force is to be sent, then sent().
 class EnergyTank {
  public:
-  /// Adds joules that the hand may get back, as long as there are less than `most`. A tank begins
-  /// with 0.
-  void grant(double joules, double most) noexcept;
+  /// A ramp begins with `before` = 0, and lets `part` of the force through now, where the model
+  /// holds `held` joules: grants what `part` times the model's energy gains by that, and otherwise
+  /// what the tank lacks of it, until all grants together are what the tank lacked where the ramp
+  /// began.
+  void ramp(double before, double part, double held) noexcept;
   /// Whether the hand has rested for a quarter of a second, trembling by 3 mm at most.
   bool rests() const noexcept;
   /// Gives back and fills in what the tank lacks, if the hand rests and there is damping.
@@ -132,6 +134,7 @@ class EnergyTank {
 
   double energy_ = 0;
   double granted_ = 0;
+  double ramp_left_ = 0;  // what this ramp may still grant beyond its rise
   Vec3 withheld_{0, 0, 0};
   // Of the last move: what sent() may give back.
   Vec3 way_{0, 0, 0};

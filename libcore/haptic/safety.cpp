@@ -168,7 +168,7 @@ SafeForce limit(const SafetyLimits& limits, SafetyState& state, const SafetyInpu
     state.ramp = limits.ramp_ms > 0 ? std::min(1.0, before + input.dt * 1000 / limits.ramp_ms) : 1;
     scale(state.ramp, kRamped);
     const double stored = input.stored.value_or(0);
-    state.tank.grant((state.ramp - before) * stored, state.ramp * stored);
+    if (before < 1) state.tank.ramp(before, state.ramp, stored);
     if (tank && input.stored && state.ramp == 1) state.tank.refill(terms, stored, input.dt);
   }
 

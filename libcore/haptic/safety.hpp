@@ -8,8 +8,8 @@
 //   |F - F of the tick before| <= slew min(dt, slew_dt), unless F is a zero that a fault demands:
 //   so the loop keeps the slew limit in wall time (loop.hpp);
 //   the energy that the hand got back <= what the hand has put in + what the model held where the
-//   ramp rose + what limits.damping takes from the motion, at most kMostDamped + what a resting
-//   hand is given (energy_tank.hpp) + limits.reserve + 0.01 mJ.
+//   ramp began, and where it rose + what limits.damping takes from the motion, at most kMostDamped
+//   + what a resting hand is given (energy_tank.hpp) + limits.reserve + 0.01 mJ.
 //
 // The third promise assumes that the hand's acceleration, the damping of hand and device, the
 // encoder and the delay are those of the limits, and that no tick is missed; energy_tank.hpp says
@@ -20,7 +20,10 @@
 // The ramp. A force that rises from 0 to F where the hand is gives the hand energy that it never
 // put in: without that energy a contact that is there at the start would stay without its force for
 // as long as it is held. In a tick in which the ramp rises by dr, a model that holds the energy E
-// there grants dr E, which is what r E(x) gains. A fault without a ramp grants nothing anew.
+// there grants dr E, which is what r E(x) gains. A hand that the rising force pushes out is charged
+// for late forces on its way, which may be more than all that the model still holds where it ends.
+// So the ramp also grants what the tank lacks of r E (and 0.05 mJ), until all grants together are
+// the E of where the ramp began. A fault without a ramp grants nothing anew.
 //
 // Faults are a number that is not finite, a silent device, a hand that is too fast, missed ticks,
 // and buzzing that does not stop. A fault gives zero in the very tick in which it is seen, without

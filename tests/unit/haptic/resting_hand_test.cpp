@@ -77,10 +77,10 @@ TEST_CASE("a resting hand gets back the force of a contact that was weakened") {
                          .stored = i == 0 ? std::nullopt : std::optional(energy)})
                  .force[0];
       if (i >= 3 && i < 60000) weakest = std::min(weakest, sent / wall[0]);
-      if (i >= 3500 && i < 60000) weakest_filled = std::min(weakest_filled, sent / wall[0]);
+      if (i >= 4000 && i < 60000) weakest_filled = std::min(weakest_filled, sent / wall[0]);
     }
     CHECK(weakest < 0.5);
-    // The hand holds after 2 s. The spring holds 2.3 mJ at its deepest, which take 0.8 s to fill,
+    // The hand holds after 2.5 s. The spring holds 2.3 mJ at its deepest, which take 0.8 s to fill,
     // and of what was withheld e^-7 is left 0.7 s later.
     CHECK((weakest_filled > 0.98) == (damping > 0));
     // No more than the spring held at its deepest, what a force that is held for a tick gives too
@@ -103,8 +103,8 @@ TEST_CASE("a hand that comes to rest is given a little, and one that holds what 
   };
   safety.apply({.force = kZero, .place = Vec3{x, 0, 0}});
   CHECK(rest(240) == 0);
-  CHECK(rest(1740) == Approx(kGift));
-  // From 2 s on, a tick earlier or later by rounding.
+  CHECK(rest(2240) == Approx(kGift));
+  // From 2.5 s on, a tick earlier or later by rounding.
   CHECK(rest(1019) == Approx(kGift + kRefill).margin(2e-3 * kRefill));
   // On a way of 10 mm in 0.1 s the hand still rests for its first 3 mm, and the mean of its places
   // follows it: less than 0.05 s of kRefill.
@@ -159,7 +159,7 @@ TEST_CASE("a force that goes with a resting hand for ever gives it what is fille
                .force[0];
   }
   CHECK(given <= 60 * (kRefill + kMostLate) + kGift + kTankSlack + 5e-4);
-  CHECK(given > 30 * kRefill);
+  CHECK(given > 60 * kRefill / 2);  // the bound is not met by giving nothing
 }
 
 TEST_CASE("in a contact the full force is there a second after the start and after a fault") {
@@ -190,6 +190,30 @@ TEST_CASE("in a contact the full force is there a second after the start and aft
     // A ramp of 500 ms, and a hand of 0.1 m/s at most into 300 N/m.
     if (!silent) REQUIRE(length_of(safe.force - before) < 1.5 / 500 + 300 * 0.1e-3);
     before = safe.force;
+    static_cast<void>(device.send(safe.force));
+  }
+}
+
+TEST_CASE("a hand that the ramp pushes out of a contact has its full force when the ramp ends") {
+  // A wall of 900 N/m, and a hand of 60 N/m whose point is 5 mm inside. It begins there, where the
+  // wall holds 11 mJ, and is pushed out to where it holds 0.04 mJ: what late forces are charged on
+  // this way is more than that.
+  constexpr double kWall = 900, kHand = 60, kEncoder = 5.5e-5;
+  SimulatedDevice device({.stiffness = kHand, .encoder = kEncoder},
+                         [](std::uint64_t, std::vector<Vec3>& targets) {
+                           targets.assign(2000, {-0.005, 0, 0});
+                         });
+  SafetyCore safety;
+  DeviceInput input;
+  for (int i = 0; i < 2000; ++i) {
+    REQUIRE(device.read(input) == DeviceStatus::kOk);
+    const double depth = std::max(0.0, -input.position[0]);
+    const Vec3 wall{kWall * depth, 0, 0};
+    const SafeForce safe =
+        safety.apply({.force = wall, .place = input.position, .stored = kWall / 2 * depth * depth});
+    if (i >= 550) REQUIRE(safe.force == wall);
+    if (i >= 1000)
+      REQUIRE(wall[0] == Approx(kHand * kWall / (kHand + kWall) * 0.005).margin(kWall * kEncoder));
     static_cast<void>(device.send(safe.force));
   }
 }
