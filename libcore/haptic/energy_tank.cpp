@@ -100,6 +100,7 @@ void EnergyTank::move(const TankTerms& terms, const Vec3& place, double dt, bool
   }
   place_ = place;
   placed_ = true;
+  part_ = 1;
   late_ *= kLateTime / (kLateTime + dt);
   if (rested_ == 0) {
     rest_ = place;
@@ -182,6 +183,7 @@ Vec3 EnergyTank::soften(const TankTerms& terms, const Vec3& wanted, double dt) n
   const double affords = energy_ + kTankSlack;
   const double time = rests() ? kRestReturn : affords < 0 ? kSlowReturn : kReturn;
   for (double& w : withheld_) w *= time / (time + dt);
+  if (part_ < 1) withheld_ = (1 - part_) * wanted;
   if (const double kept = length_of(withheld_); kept > kNothing) {
     const double along = dot(force, withheld_) / kept;
     force = force + -std::min(kept, std::max(0.0, along)) / kept * withheld_;
@@ -242,6 +244,7 @@ void EnergyTank::refill(const TankTerms& terms, double held, double dt) noexcept
     given_ += fill(wanted, kGift - given_);
   } else {
     fill(wanted, kRefill * dt);
+    if (is_weak) part_ = std::clamp(energy_ / (all + kAbove / 2), 0.0, 1.0);
   }
   const double lacks = above - energy_;
   if (is_weak && lacks < kAbove / 2)

@@ -25,12 +25,15 @@
 // one of the records, or jumps where corners change. Then the tank has less than the model holds,
 // and a hand that trembles there would be weakened for good: it stores less with a weakened force,
 // and gets less back. So a hand that comes to rest is given kGift, if its tank has less than half
-// of what the model holds, or if its force is weakened. A hand that has rested for 2.5 s holds a
-// contact, and gets kRefill until its tank has what it lacks. Until then a force that is weakened
-// comes back slowly: within a tremble, it would give out on each way out what was filled in. Then
-// it comes back at once. With kRefill after 2 s of rest, up to 0.39 mJ came back in a session of
-// the default hand, and with kRefill in the first second after a start as well, 0.55 mJ. In
-// 120,000 sessions with the choice made here it was 0.28 mJ, and 0.1 mJ with all grids but one.
+// of what the model holds, or if its force is weakened. The force comes back to it slowly: within a
+// tremble, it would give out on each way out what was filled in. A hand that has rested for 2.5 s
+// holds a contact, and gets kRefill until its tank has what it lacks. If its force is still weak,
+// it is from then on the part r of the model's that the tank has of the model's energy: such a
+// force has the energy r E, and r rises by what is filled in alone. A force that is less by a
+// constant has the model's whole stiffness, and a tremble costs it all that is filled in.
+// With kRefill after 2 s of rest, up to 0.39 mJ came back in a session of the default hand, and
+// with kRefill in the first second after a start as well, 0.55 mJ. In 120,000 sessions with the
+// choice made here it was 0.28 mJ, and 0.1 mJ with all grids but one.
 //
 // The bound holds under these assumptions:
 // - The damping of hand and device is at least TankTerms::damping. A hand at rest takes as much as
@@ -136,6 +139,7 @@ class EnergyTank {
   double granted_ = 0;
   double ramp_left_ = 0;  // what this ramp may still grant beyond its rise
   Vec3 withheld_{0, 0, 0};
+  double part_ = 1;  // of the wanted force, that a hand gets which holds a weakened one
   // Of the last move: what sent() may give back.
   Vec3 way_{0, 0, 0};
   double charged_ = 0;

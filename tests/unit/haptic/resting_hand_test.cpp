@@ -141,6 +141,29 @@ TEST_CASE("a hand at rest gets back what late forces were charged on its way int
   }
 }
 
+TEST_CASE("a hand that holds a weakened force gets a part of the model's, and then all of it") {
+  // A spring of 1,000 N/m, held at 2.1 N and 2.3 mJ, and a tank that begins with nothing. The hand
+  // trembles along the force and across it, so that the spring's force turns: what is sent turns
+  // with it. It grows as 3 mW fill the tank, for less than 1.5 s.
+  constexpr double kWall = 1000, kTremor = 3e-4;
+  SafetyCore safety(only_tank(0.1));
+  for (int i = 0; i < 4500; ++i) {
+    const double phase = 2 * M_PI * 10 * i * 1e-3;
+    const Vec3 x{-1.5e-3 + kTremor * std::sin(phase), -1.5e-3 + kTremor * std::cos(phase), 0};
+    const Vec3 spring = -kWall * x;
+    const double energy = kWall / 2 * dot(x, x);
+    const Vec3 force = safety
+                           .apply({.force = spring,
+                                   .place = x,
+                                   .stored = i == 0 ? std::nullopt : std::optional(energy)})
+                           .force;
+    if (i >= 2510 && i < 3000)
+      REQUIRE(dot(force, spring) >= 0.999 * length_of(force) * length_of(spring));
+    if (i == 2510) CHECK(length_of(force) < 0.5 * length_of(spring));
+    if (i >= 4000) REQUIRE(force == spring);
+  }
+}
+
 TEST_CASE("a force that goes with a resting hand for ever gives it what is filled in and no more") {
   // The model claims to hold a joule.
   constexpr double kDt = 0.001;
@@ -159,7 +182,7 @@ TEST_CASE("a force that goes with a resting hand for ever gives it what is fille
                .force[0];
   }
   CHECK(given <= 60 * (kRefill + kMostLate) + kGift + kTankSlack + 5e-4);
-  CHECK(given > 60 * kRefill / 2);  // the bound is not met by giving nothing
+  CHECK(given > 10 * kRefill);  // the bound is not met by giving nothing
 }
 
 TEST_CASE("in a contact the full force is there a second after the start and after a fault") {
