@@ -213,7 +213,7 @@ Vec3 EnergyTank::bound(const TankTerms& terms, const Vec3& wanted, const Vec3& b
   return shorter + part * way;
 }
 
-void EnergyTank::ramp(double before, double part, double held) noexcept {
+void EnergyTank::ramp(double before, double after, double held) noexcept {
   if (before == 0) ramp_left_ = held - std::max(0.0, energy_);
   const auto grant = [&](double joules, double most) {
     const double more = std::min(joules, most - energy_);
@@ -222,8 +222,8 @@ void EnergyTank::ramp(double before, double part, double held) noexcept {
     granted_ += more;
     ramp_left_ -= more;
   };
-  grant((part - before) * held, part * held);
-  grant(ramp_left_, part * (held + kAbove));
+  grant((after - before) * held, after * held);
+  grant(ramp_left_, after * (held + kAbove));
 }
 
 bool EnergyTank::rests() const noexcept { return rested_ >= kRestTime; }

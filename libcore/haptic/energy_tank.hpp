@@ -95,14 +95,16 @@ double letgo(double force, double speed, const TankTerms& terms) noexcept;
 /// bound() if a force is to be sent, then sent().
 class EnergyTank {
  public:
-  /// A ramp begins with `before` = 0, and lets `part` of the force through now, where the model
-  /// holds `held` joules: grants what `part` times the model's energy gains by that, and otherwise
-  /// what the tank lacks of it, until all grants together are what the tank lacked where the ramp
-  /// began.
-  void ramp(double before, double part, double held) noexcept;
+  /// In this tick the part of the force that the ramp lets through rises from `before` to `after`,
+  /// both in [0, 1]; a ramp begins with `before` = 0. Grants what `after` times the model's energy
+  /// gains by that, and otherwise what the tank lacks of it, until all grants together are what the
+  /// tank lacked where the ramp began (safety.hpp).
+  /// @param held joules that the model holds above its lowest energy
+  void ramp(double before, double after, double held) noexcept;
   /// Whether the hand has rested for a quarter of a second, trembling by 3 mm at most.
   bool rests() const noexcept;
-  /// Gives back and fills in what the tank lacks, if the hand rests and there is damping.
+  /// Gives back and fills in what the tank lacks, if the hand rests and there is damping. Says
+  /// which part of its force a hand gets that holds a weakened one.
   /// @param dt seconds since it was done before.
   /// @param held joules that the model holds above its lowest energy
   void refill(const TankTerms& terms, double held, double dt) noexcept;

@@ -157,9 +157,13 @@ TEST_CASE("a hand that holds a weakened force gets a part of the model's, and th
                                    .place = x,
                                    .stored = i == 0 ? std::nullopt : std::optional(energy)})
                            .force;
-    if (i >= 2510 && i < 3000)
-      REQUIRE(dot(force, spring) >= 0.999 * length_of(force) * length_of(spring));
-    if (i == 2510) CHECK(length_of(force) < 0.5 * length_of(spring));
+    if (i >= 2510 && i < 3000) {
+      // The part that the tank has of what the spring holds, 1.6 mJ or more: it is off by the work
+      // of a tick, 0.045 mJ, and by the 0.025 mJ above that a full tank has. In its direction.
+      const double part = length_of(force) / length_of(spring);
+      REQUIRE(part == Approx(safety.stored() / energy).margin(0.07 / 1.6));
+      REQUIRE(dot(force, spring) >= (1 - 1e-12) * length_of(force) * length_of(spring));
+    }
     if (i >= 4000) REQUIRE(force == spring);
   }
 }
@@ -235,7 +239,7 @@ TEST_CASE("a hand that the ramp pushes out of a contact has its full force when 
     const SafeForce safe =
         safety.apply({.force = wall, .place = input.position, .stored = kWall / 2 * depth * depth});
     if (i >= 550) REQUIRE(safe.force == wall);
-    if (i >= 1000)
+    if (i >= 1000)  // The hand has come to rest, to a step of its encoder.
       REQUIRE(wall[0] == Approx(kHand * kWall / (kHand + kWall) * 0.005).margin(kWall * kEncoder));
     static_cast<void>(device.send(safe.force));
   }
