@@ -1,10 +1,9 @@
 // Whether the mutator of shards gets past their digests: most of what it makes is refused, if it
 // is, for what its messages say.
-#include <catch2/catch.hpp>
-
 #include "libcore/base/error.hpp"
 #include "libcore/shard/reader.hpp"
 #include "tests/fuzz/fuzz.hpp"
+#include "tests/unit/catch.hpp"
 
 using namespace hapgrid;
 

@@ -3,9 +3,10 @@
 
 #include <xxhash.h>
 
-#include <catch2/catch.hpp>
 #include <random>
 #include <vector>
+
+#include "tests/unit/catch.hpp"
 
 using namespace hapgrid;
 

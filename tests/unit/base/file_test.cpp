@@ -5,12 +5,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <catch2/catch.hpp>
 #include <fstream>
 #include <sstream>
 #include <system_error>
 #include <thread>
 
+#include "tests/unit/catch.hpp"
 #include "tests/unit/temporary.hpp"
 
 using namespace hapgrid;

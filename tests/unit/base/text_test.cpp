@@ -1,10 +1,10 @@
 #include "libcore/base/text.hpp"
 
-#include <catch2/catch.hpp>
 #include <clocale>
 #include <limits>
 
 #include "libcore/base/json.hpp"
+#include "tests/unit/catch.hpp"
 
 using namespace hapgrid;
 

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <catch2/catch.hpp>
 #include <cmath>
 
 #include "libcore/base/error.hpp"
 #include "libcore/haptic/paper_traversal.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
 #include "tests/unit/haptic/random_grid.hpp"
 

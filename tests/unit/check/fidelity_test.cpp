@@ -1,7 +1,6 @@
 #include "libcore/check/fidelity.hpp"
 
-#include <catch2/catch.hpp>
-
+#include "tests/unit/catch.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
 #include "tests/unit/haptic/random_grid.hpp"
 

@@ -1,9 +1,9 @@
 #include "libcore/check/invariants.hpp"
 
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <map>
 
+#include "tests/unit/catch.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
 
 using namespace hapgrid;

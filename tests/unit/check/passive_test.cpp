@@ -1,10 +1,10 @@
 #include "libcore/check/passive.hpp"
 
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 
 #include "libcore/check/continuous.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
 #include "tests/unit/hung_ball/grid.hpp"
 

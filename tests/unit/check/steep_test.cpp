@@ -1,10 +1,10 @@
 #include "libcore/check/steep.hpp"
 
-#include <catch2/catch.hpp>
 #include <cmath>
 
 #include "libcore/grid/vec3.hpp"
 #include "libcore/haptic/traversal.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
 #include "tests/unit/haptic/random_grid.hpp"
 

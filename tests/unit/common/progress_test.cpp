@@ -5,12 +5,13 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include <catch2/catch.hpp>
 #include <chrono>
 #include <cstdio>
 #include <memory>
 #include <string>
 #include <vector>
+
+#include "tests/unit/catch.hpp"
 
 using namespace hapgrid;
 using std::chrono::milliseconds;

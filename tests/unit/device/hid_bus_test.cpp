@@ -1,10 +1,10 @@
 #include "tools/devices/hid_bus.hpp"
 
-#include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
 
 #include "libcore/base/error.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/refusal.hpp"
 #include "tests/unit/temporary.hpp"
 

@@ -7,12 +7,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <catch2/catch.hpp>
 #include <chrono>
 #include <exception>
 #include <random>
 #include <string_view>
 
+#include "tests/unit/catch.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
 
 using namespace hapgrid;

@@ -1,7 +1,6 @@
 #include "libcore/device/path.hpp"
 
-#include <catch2/catch.hpp>
-
+#include "tests/unit/catch.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
 #include "tests/unit/refusal.hpp"
 

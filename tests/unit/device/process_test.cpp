@@ -2,12 +2,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <catch2/catch.hpp>
 #include <chrono>
 #include <filesystem>
 
 #include "libcore/base/error.hpp"
 #include "libcore/device/process_device.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
 #include "tests/unit/refusal.hpp"
 #include "tests/unit/temporary.hpp"

@@ -1,12 +1,12 @@
 #include "libcore/device/simulated.hpp"
 
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
 
 #include "libcore/device/wandering.hpp"
 #include "libcore/grid/vec3.hpp"
+#include "tests/unit/catch.hpp"
 
 using namespace hapgrid;
 

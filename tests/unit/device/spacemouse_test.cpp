@@ -1,7 +1,7 @@
-#include <catch2/catch.hpp>
 #include <vector>
 
 #include "libcore/grid/box.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/device/place.hpp"
 #include "tools/devices/spacemouse_reports.hpp"
 

@@ -1,6 +1,6 @@
 #include "libcore/grid/box.hpp"
 
-#include <catch2/catch.hpp>
+#include "tests/unit/catch.hpp"
 
 using namespace hapgrid;
 

@@ -1,9 +1,10 @@
 // Angles and orientations against closed forms.
 #include "libcore/grid/equality.hpp"
 
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <vector>
+
+#include "tests/unit/catch.hpp"
 
 using namespace hapgrid;
 

@@ -2,11 +2,11 @@
 #include "libcore/grid/grid.hpp"
 
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <random>
 
 #include "libcore/base/error.hpp"
 #include "libcore/grid/grid_builder.hpp"
+#include "tests/unit/catch.hpp"
 
 using namespace hapgrid;
 

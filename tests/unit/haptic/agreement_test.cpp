@@ -1,10 +1,10 @@
 // Whether the forces of a grid are the gradient of its energies.
 #include "libcore/haptic/agreement.hpp"
 
-#include <catch2/catch.hpp>
 #include <cmath>
 
 #include "libcore/grid/vec3.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/haptic/fields.hpp"
 #include "tests/unit/haptic/random_grid.hpp"
 

@@ -1,5 +1,4 @@
 // The model beside the grid: whom the state follows when the grid and the model disagree.
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <memory>
 #include <random>
@@ -8,6 +7,7 @@
 
 #include "libcore/haptic/branch_traversal.hpp"
 #include "libcore/haptic/node_force.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
 #include "tests/unit/haptic/line_models.hpp"
 #include "tests/unit/haptic/places.hpp"

@@ -1,6 +1,5 @@
 // The thread of the model beside the grid: the loop never waits for it, and takes what it says
 // between two steps.
-#include <catch2/catch.hpp>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -12,6 +11,7 @@
 #include "libcore/haptic/branch_traversal.hpp"
 #include "libcore/haptic/node_force.hpp"
 #include "libcore/model/process_model.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/haptic/line_models.hpp"
 
 using namespace hapgrid;

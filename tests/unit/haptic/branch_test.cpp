@@ -1,7 +1,6 @@
 // The rule that stays on a branch: where it must agree with the paper's, where it must snap, and
 // that the state jumps nowhere else.
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <memory>
 #include <random>
@@ -9,6 +8,7 @@
 
 #include "libcore/haptic/branch_traversal.hpp"
 #include "libcore/haptic/paper_traversal.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
 #include "tests/unit/haptic/line_models.hpp"

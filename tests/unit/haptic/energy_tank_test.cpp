@@ -2,13 +2,13 @@
 #include "libcore/haptic/energy_tank.hpp"
 
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 #include <random>
 #include <vector>
 
 #include "libcore/grid/vec3.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/haptic/limits.hpp"
 #include "tests/unit/haptic/numbers.hpp"
 #include "tests/unit/haptic/random_grid.hpp"

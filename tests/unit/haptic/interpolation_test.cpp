@@ -1,9 +1,9 @@
 // The state of a traversal: interpolation and its continuity.
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
 #include <vector>
 
+#include "tests/unit/catch.hpp"
 #include "tests/unit/haptic/places.hpp"
 
 using namespace hapgrid;

@@ -1,9 +1,9 @@
 // Which levels a traversal follows, against the paper's text.
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
 
+#include "tests/unit/catch.hpp"
 #include "tests/unit/haptic/literal.hpp"
 #include "tests/unit/haptic/places.hpp"
 

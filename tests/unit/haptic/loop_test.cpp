@@ -1,7 +1,6 @@
 #include "libcore/haptic/loop.hpp"
 
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <chrono>
 #include <cmath>
 #include <functional>
@@ -13,6 +12,7 @@
 #include <vector>
 
 #include "libcore/haptic/paper_traversal.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
 #include "tests/unit/haptic/limits.hpp"
 #include "tests/unit/haptic/numbers.hpp"

@@ -1,9 +1,9 @@
 #include "libcore/haptic/mapping.hpp"
 
-#include <catch2/catch.hpp>
 #include <random>
 
 #include "libcore/grid/vec3.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/haptic/random_grid.hpp"
 
 using namespace hapgrid;

@@ -1,7 +1,6 @@
 // Motions that are no small steps: jumps, places outside, what is no number; and grids that are
 // none.
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
 #include <string>
@@ -10,6 +9,7 @@
 #include "libcore/base/error.hpp"
 #include "libcore/grid/vec3.hpp"
 #include "libcore/haptic/playable.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
 #include "tests/unit/haptic/places.hpp"
 #include "tests/unit/refusal.hpp"

@@ -1,11 +1,11 @@
 // The hand goes on to the next level at its place: against states that are known.
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <memory>
 #include <vector>
 
 #include "libcore/haptic/branch_traversal.hpp"
 #include "libcore/haptic/paper_traversal.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
 #include "tests/unit/haptic/places.hpp"

@@ -2,13 +2,13 @@
 // it jumps with the state alone.
 #include "libcore/haptic/node_force.hpp"
 
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <memory>
 #include <random>
 
 #include "libcore/grid/vec3.hpp"
 #include "libcore/haptic/branch_traversal.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
 #include "tests/unit/haptic/fields.hpp"
 #include "tests/unit/haptic/places.hpp"

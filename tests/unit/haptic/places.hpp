@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "libcore/haptic/paper_traversal.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/haptic/numbers.hpp"
 #include "tests/unit/haptic/random_grid.hpp"
 

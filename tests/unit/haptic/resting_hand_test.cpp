@@ -1,7 +1,6 @@
 // What the energy tank gives a hand that rests: a held contact keeps its force, and no more comes
 // back than was stated.
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -9,6 +8,7 @@
 #include "libcore/device/simulated.hpp"
 #include "libcore/grid/vec3.hpp"
 #include "libcore/haptic/energy_tank.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/haptic/limits.hpp"
 #include "tests/unit/haptic/numbers.hpp"
 

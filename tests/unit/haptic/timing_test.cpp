@@ -1,6 +1,5 @@
 // Histogram, pacer and watchdog.
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <chrono>
 #include <cmath>
 #include <random>
@@ -10,6 +9,7 @@
 #include "libcore/base/histogram.hpp"
 #include "libcore/haptic/pacer.hpp"
 #include "libcore/haptic/watchdog.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/haptic/random_grid.hpp"
 
 using namespace hapgrid;

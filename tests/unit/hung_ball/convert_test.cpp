@@ -1,5 +1,4 @@
-#include <catch2/catch.hpp>
-
+#include "tests/unit/catch.hpp"
 #include "tests/unit/hung_ball/reference.hpp"
 
 using namespace hapgrid;

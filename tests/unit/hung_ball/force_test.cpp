@@ -1,6 +1,6 @@
-#include <catch2/catch.hpp>
 #include <limits>
 
+#include "tests/unit/catch.hpp"
 #include "tests/unit/hung_ball/reference.hpp"
 
 using namespace hapgrid;

@@ -1,10 +1,10 @@
-#include <catch2/catch.hpp>
 #include <filesystem>
 #include <future>
 #include <limits>
 #include <optional>
 
 #include "libcore/model/plugin_model.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;

@@ -1,12 +1,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <catch2/catch.hpp>
 #include <cerrno>
 #include <chrono>
 
 #include "libcore/base/error.hpp"
 #include "libcore/model/process_model.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;

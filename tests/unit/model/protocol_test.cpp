@@ -1,11 +1,11 @@
 // The lines of a model process (libcore/model/protocol.hpp).
 #include "libcore/model/protocol.hpp"
 
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 
 #include "libcore/base/error.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;

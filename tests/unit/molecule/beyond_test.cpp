@@ -1,9 +1,9 @@
 // A path that goes on behind its saddles: 1,2-dichloroethane, anti in the middle (t = 0), gauche on
 // both sides. Energies and shapes of the nodes are GFN2-xTB's, from the committed texts.
-#include <catch2/catch.hpp>
 #include <sstream>
 
 #include "examples/molecule/minima.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/molecule/reference.hpp"
 
 using namespace molecules;

@@ -1,7 +1,6 @@
 // The conversion function as the filters call it, through the plug-in.
 #include <algorithm>
 #include <array>
-#include <catch2/catch.hpp>
 #include <cstdint>
 #include <tuple>
 #include <utility>
@@ -9,6 +8,7 @@
 #include "examples/molecule/conversion.hpp"
 #include "libcore/grid/vec3.hpp"
 #include "libcore/scene/bonds.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/molecule/reference.hpp"
 
 using namespace molecules;

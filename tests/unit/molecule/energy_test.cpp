@@ -1,7 +1,6 @@
 #include "examples/molecule/energy.hpp"
 
-#include <catch2/catch.hpp>
-
+#include "tests/unit/catch.hpp"
 #include "tests/unit/molecule/reference.hpp"
 
 using namespace molecules;

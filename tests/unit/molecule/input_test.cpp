@@ -1,9 +1,9 @@
 // What the reader takes, and what it refuses: in one line that names the text, frame and atoms.
 #include "examples/molecule/input.hpp"
 
-#include <catch2/catch.hpp>
 #include <locale>
 
+#include "tests/unit/catch.hpp"
 #include "tests/unit/molecule/reference.hpp"
 
 using namespace molecules;

@@ -1,8 +1,7 @@
 #include "examples/molecule/morph.hpp"
 
-#include <catch2/catch.hpp>
-
 #include "examples/molecule/elementary.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/molecule/reference.hpp"
 
 using namespace molecules;

@@ -1,5 +1,4 @@
-#include <catch2/catch.hpp>
-
+#include "tests/unit/catch.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
 #include "tests/unit/molecule/reference.hpp"
 

@@ -5,7 +5,6 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <Eigen/SVD>
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <fstream>
 #include <random>
@@ -17,6 +16,7 @@
 #include "examples/molecule/energy.hpp"
 #include "examples/molecule/input.hpp"
 #include "libcore/model/plugin_model.hpp"
+#include "tests/unit/catch.hpp"
 
 namespace molecules {
 

@@ -1,10 +1,10 @@
 // The bytes of IMD against literals, written by hand from the protocol's text.
 #include "libcore/scene/imd_protocol.hpp"
 
-#include <catch2/catch.hpp>
 #include <random>
 #include <string>
 
+#include "tests/unit/catch.hpp"
 #include "tests/unit/scene/scenes.hpp"
 
 using namespace hapgrid;

@@ -7,11 +7,11 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <chrono>
 #include <thread>
 #include <vector>
 
+#include "tests/unit/catch.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
 #include "tests/unit/scene/scenes.hpp"
 #include "tests/unit/temporary.hpp"

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -13,6 +12,7 @@
 #include "libcore/scene/bonds.hpp"
 #include "libcore/scene/legend.hpp"
 #include "libcore/scene/letters.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/scene/scenes.hpp"
 
 using namespace hapgrid;

@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <array>
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
 #include <numbers>
@@ -14,6 +13,7 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/scene/torsion.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/scene/scenes.hpp"
 
 using namespace hapgrid;

@@ -1,8 +1,7 @@
 // Trajectories.
 #include "libcore/scene/trajectory.hpp"
 
-#include <catch2/catch.hpp>
-
+#include "tests/unit/catch.hpp"
 #include "tests/unit/scene/scenes.hpp"
 
 using namespace hapgrid;

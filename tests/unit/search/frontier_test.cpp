@@ -1,8 +1,7 @@
 // A frontier as FrontierReader reads it, dealt out to parts.
 #include "libcore/search/frontier.hpp"
 
-#include <catch2/catch.hpp>
-
+#include "tests/unit/catch.hpp"
 #include "tests/unit/shard/rows.hpp"
 
 using namespace hapgrid;

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <catch2/catch.hpp>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -22,6 +21,7 @@
 #include "libcore/search/seed.hpp"
 #include "libcore/search/tears.hpp"
 #include "libcore/shard/load.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/search/reference.hpp"
 
 namespace hapgrid {

@@ -3,12 +3,12 @@
 #include "libcore/search/tears.hpp"
 
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <memory>
 
 #include "libcore/grid/describe.hpp"
 #include "libcore/grid/vec3.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/hung_ball/grid.hpp"
 #include "tests/unit/search/shards.hpp"
 #include "tests/unit/temporary.hpp"

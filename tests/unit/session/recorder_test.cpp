@@ -7,10 +7,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <catch2/catch.hpp>
 #include <chrono>
 #include <thread>
 
+#include "tests/unit/catch.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
 #include "tests/unit/session/ticks.hpp"
 #include "tests/unit/temporary.hpp"
@@ -150,7 +150,8 @@ TEST_CASE("a write that fails is told at the end") {
     disk.reader = FileDescriptor();
     const std::vector<TickRecord> ticks = random_ticks(5000, 4);
     for (const TickRecord& tick : ticks) recorder.add(tick);  // goes on
-    CHECK_THROWS_WITH(recorder.finish(), Catch::Contains(disk.name + ": Broken pipe"));
+    CHECK_THROWS_WITH(recorder.finish(),
+                      Catch::Matchers::ContainsSubstring(disk.name + ": Broken pipe"));
   }
   ::signal(SIGPIPE, handler);
 }
@@ -164,7 +165,8 @@ TEST_CASE("a recording that fails keeps what was recorded before") {
     {
       SessionRecorder recorder(file, small_header(), paced);
       for (const TickRecord& tick : ticks) recorder.add(tick);
-      CHECK_THROWS_WITH(recorder.finish(), Catch::StartsWith(file + ": tick 0 after tick "));
+      CHECK_THROWS_WITH(recorder.finish(),
+                        Catch::Matchers::StartsWith(file + ": tick 0 after tick "));
     }
     ticks.resize(kChunkTicks);
     SessionReader reader(file);

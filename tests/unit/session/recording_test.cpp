@@ -1,12 +1,12 @@
 // What a hand did, from sessions and from texts; and a device that does it again.
 #include "libcore/session/recording.hpp"
 
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <fstream>
 
 #include "libcore/device/replay.hpp"
 #include "libcore/session/writer.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
 #include "tests/unit/refusal.hpp"
 #include "tests/unit/session/ticks.hpp"

@@ -1,11 +1,11 @@
 // What is recorded comes back to the last bit, up to where a file is cut or damaged.
-#include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 
 #include "libcore/session/reader.hpp"
 #include "libcore/session/writer.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/refusal.hpp"
 #include "tests/unit/session/ticks.hpp"
 #include "tests/unit/temporary.hpp"

@@ -4,7 +4,6 @@
 #include <fcntl.h>
 
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -14,6 +13,7 @@
 #include <vector>
 
 #include "libcore/shard/writer.hpp"
+#include "tests/unit/catch.hpp"
 
 namespace hapgrid {
 

@@ -1,10 +1,10 @@
 // What is written comes back, row by row, whatever its chunks are.
-#include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
 
 #include "libcore/shard/load.hpp"
 #include "libcore/shard/reader.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/shard/rows.hpp"
 #include "tests/unit/temporary.hpp"
 

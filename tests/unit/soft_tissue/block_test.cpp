@@ -4,10 +4,11 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
 #include <vector>
+
+#include "tests/unit/catch.hpp"
 
 using namespace soft_tissue;
 

@@ -1,10 +1,10 @@
 // The plug-in around the soft tissue's finite elements.
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <vector>
 
 #include "libcore/model/plugin_model.hpp"
+#include "tests/unit/catch.hpp"
 
 using namespace hapgrid;
 

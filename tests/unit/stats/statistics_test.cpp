@@ -1,7 +1,6 @@
 #include "tools/stats/statistics.hpp"
 
-#include <catch2/catch.hpp>
-
+#include "tests/unit/catch.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
 
 using namespace hapgrid;

@@ -6,13 +6,13 @@
 #include <unistd.h>
 
 #include <atomic>
-#include <catch2/catch.hpp>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <thread>
 
 #include "libcore/base/error.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/scene/scenes.hpp"
 #include "tests/unit/temporary.hpp"
 

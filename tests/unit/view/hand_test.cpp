@@ -5,12 +5,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <catch2/catch.hpp>
 #include <cmath>
 
 #include "libcore/base/error.hpp"
 #include "libcore/device/hand.hpp"
 #include "libcore/device/path.hpp"
+#include "tests/unit/catch.hpp"
 #include "tests/unit/temporary.hpp"
 
 using namespace hapgrid;

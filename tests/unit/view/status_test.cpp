@@ -1,9 +1,10 @@
 // The line of numbers.
 #include "tools/view/status.hpp"
 
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
+
+#include "tests/unit/catch.hpp"
 
 using namespace hapgrid;
 
