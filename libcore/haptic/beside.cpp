@@ -72,40 +72,38 @@ Beside::~Beside() {
 }
 
 void Beside::begin(double rate_hz) {
-  oldest_ = static_cast<std::uint64_t>(std::llround(kOldestSeconds * rate_hz));
   pause_s_ = std::max(1 / (kLooksATick * rate_hz), kShortestPauseSeconds);
   if (delay_) return;
   const BlockedSignals blocked;
   thread_ = std::jthread([this](const std::stop_token& token) { work(token); });
 }
 
+void Beside::receive() noexcept {
+  const std::uint64_t tick = tick_ + 1;
+  const BesideAnswer* answer = nullptr;
+  if (!delay_) {
+    answers_.update();
+    answer = &answers_.front();
+  } else if (tick > *delay_) {
+    answer = &held_back_[(tick - *delay_) % held_back_.size()];
+  }
+  newest_ = answer && answer->usable && answer->tick >= first_tick_ ? answer : nullptr;
+  if (!newest_) return;
+  lateness_.add(static_cast<std::int64_t>(tick - newest_->tick));
+  ++ticks_kept_up_;
+}
+
 void Beside::tell(const Vec3& x, std::optional<Level> begins) noexcept {
   ++tick_;
-  if (begins) first_tick_ = tick_;
-  const Place place{tick_, x, look_ahead(x), begins ? begins : must_begin_};
-  if (!delay_) {
-    must_begin_ = places_.push(place) ? std::nullopt : place.begins;
-    return;
+  if (begins) {
+    first_tick_ = tick_;
+    newest_ = nullptr;
   }
-  ask(place, held_back_[tick_ % held_back_.size()]);
-  if (tick_ > *delay_) take(held_back_[(tick_ - *delay_) % held_back_.size()], tick_);
-}
-
-void Beside::receive() noexcept {
-  answers_.update();
-  take(answers_.front(), tick_ + 1);
-}
-
-/// @param tick in which the answer counts
-void Beside::take(const BesideAnswer& answer, std::uint64_t tick) noexcept {
-  newest_ = answer.usable && answer.tick >= first_tick_ ? &answer : nullptr;
-  if (newest_) lateness_.add(static_cast<std::int64_t>(tick - newest_->tick));
-  ticks_kept_up_ += this->answer() != nullptr;
-}
-
-const BesideAnswer* Beside::answer() const noexcept {
-  const bool counts = newest_ && newest_->tick >= first_tick_ && tick_ - newest_->tick <= oldest_;
-  return counts ? newest_ : nullptr;
+  const Place place{tick_, x, look_ahead(x), begins ? begins : must_begin_};
+  if (delay_)
+    ask(place, held_back_[tick_ % held_back_.size()]);
+  else
+    must_begin_ = places_.push(place) ? std::nullopt : place.begins;
 }
 
 /// Where the hand will be when the answer comes, if it is as late as the last one. It is not asked

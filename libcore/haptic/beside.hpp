@@ -9,11 +9,9 @@
 //
 // Choice. For a live hand a thread of its own makes the conversions. The loop passes it each place
 // of the hand through a ring, and takes the newest answer from a triple buffer; neither waits for
-// the other. It takes it shortly before a tick, since to read what another processor has just
-// written takes longer than the whole of a tick without a model. An answer says to which tick it
-// belongs, and one that is too old is not given. When nobody waits, as in the play of a path, the
-// model is asked in the tick itself, and its answers can be held back by a number of ticks: so the
-// same input always gives the same output.
+// the other. When nobody waits, as in the play of a path, the model is asked in the tick itself,
+// and its answer counts a number of ticks later: so the same input always gives the same output. In
+// both ways a tick takes the newest answer first, and tells its own place at its end.
 //
 // Answers come late by some ticks, in which the hand has gone on. So the model is also asked in
 // which state it will be when the answer comes, if the hand goes on as it did in as many ticks
@@ -48,12 +46,10 @@ struct BesideAnswer {
   std::optional<Vec3> force;  ///< newtons; nothing: the model does not say
 };
 
-/// For one hand. start(), follow(), receive() and answer() are called by one thread; they never
-/// wait for the other thread, and are real-time safe when there is one.
+/// For one hand. receive(), answer(), start() and follow() are called by one thread, in this order
+/// in each tick; they never wait for the other thread, and are real-time safe when there is one.
 class Beside {
  public:
-  /// An answer that is older than this is not given.
-  static constexpr double kOldestSeconds = 0.02;
   /// The model is asked at least so often on the way along one spacing: as often as the reference
   /// is (model_traversal.hpp), so that both come to the same states. Near the end of a branch, the
   /// length of the steps can decide on which other one a large molecule ends.
@@ -61,7 +57,7 @@ class Beside {
 
   /// @param grid outlives this. @param model of this grid
   /// @param delay_ticks the model is asked in the tick, and its answer is given so many ticks
-  /// later; nothing: it is asked by another thread
+  /// later, at least 1; nothing: it is asked by another thread
   /// @param tell_failure is told why a model process fails. It is then not asked any more. Called
   /// by the thread that asks.
   /// @throw Error as Traversal does
@@ -75,15 +71,15 @@ class Beside {
   /// Starts the thread, if there is to be one, before the first tick. @param rate_hz ticks a second
   void begin(double rate_hz);
 
-  /// Begins a new tick, in which the hand is at x: in the state that has this level at the nearest
-  /// grid point, or in the one to which the model comes along the way.
+  /// Ends a tick in which the hand is at x: in the state that has this level at the nearest grid
+  /// point, or in the one to which the model comes along the way.
   void start(const Vec3& x, Level level = 0) noexcept { tell(x, level); }
   void follow(const Vec3& x) noexcept { tell(x, std::nullopt); }
-  /// Takes the newest answer of the other thread.
+  /// Takes the newest answer, at the beginning of a tick.
   void receive() noexcept;
-  /// The newest answer that is young enough; null where there is none.
-  const BesideAnswer* answer() const noexcept;
-  /// Counts the ticks.
+  /// The newest answer since the last start; null where there is none.
+  const BesideAnswer* answer() const noexcept { return newest_; }
+  /// Counts the ticks that have ended.
   std::uint64_t tick() const { return tick_; }
 
   /// How far apart two states are that differ by 1 in one component, in the unit of the tolerance.
@@ -93,7 +89,7 @@ class Beside {
 
   /// Whether another thread asks the model.
   bool has_thread() const { return !delay_; }
-  /// In how many ticks there was an answer that was young enough.
+  /// In how many ticks there was an answer.
   std::uint64_t kept_up() const { return ticks_kept_up_; }
   /// How many ticks old the answers were, of all ticks in which there was one.
   const Histogram& lateness() const { return lateness_; }
@@ -107,7 +103,6 @@ class Beside {
   };
   void tell(const Vec3& x, std::optional<Level> begins) noexcept;
   Vec3 look_ahead(const Vec3& x) noexcept;
-  void take(const BesideAnswer& answer, std::uint64_t tick) noexcept;
   void ask(const Place& place, BesideAnswer& answer) noexcept;
   void work(const std::stop_token& token) noexcept;
   void ask_all(std::span<const Place> places, const std::stop_token& token) noexcept;
@@ -118,9 +113,8 @@ class Beside {
   ModelTraversal model_;  // the other thread's, if there is one
   const std::optional<std::uint32_t> delay_;
   const Box box_;
-  const double near_;         // places nearer than this are passed over by a thread that is late
-  std::uint64_t oldest_ = 0;  // ticks
-  double pause_s_ = 0;        // of the thread, when it has nothing to do
+  const double near_;   // places nearer than this are passed over by a thread that is late
+  double pause_s_ = 0;  // of the thread, when it has nothing to do
   const std::function<void(const std::string&)> tell_failure_;
   std::atomic<bool> ends_{false};
   bool has_given_up_ = false;  // a process that failed, which can take its time for it

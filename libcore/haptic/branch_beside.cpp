@@ -1,6 +1,5 @@
 // How a BranchTraversal chooses its branch where the model walks beside the grid.
 #include <algorithm>
-#include <utility>
 
 #include "libcore/grid/vec3.hpp"
 #include "libcore/haptic/branch_traversal.hpp"
@@ -16,43 +15,29 @@ constexpr double kSame = 1.0 / 3;
 // The model has snapped when its state is farther than the tolerance from where play expects it,
 // and another branch is nearer by so much, squared.
 constexpr double kFarNearer = 0.3;
-// How far outside the cell a late answer may lie, in spacings.
-constexpr double kBeside = 0.5;
+// How far from the hand the place of an answer may be, in spacings. Beyond it the grid knows
+// better.
+constexpr double kReach = 0.5;
 // How many ticks older than the newest answer another one may be.
 constexpr std::uint64_t kOldestKept = 64;
-
-bool is_near_cell(const Vec3& part) {
-  return std::all_of(part.begin(), part.end(),
-                     [](double u) { return u >= -kBeside && u <= 1 + kBeside; });
-}
 
 }  // namespace
 
 void BranchTraversal::settle(StepResult& result) noexcept {
   if (!beside_) return;
-  if (beside_->has_thread()) {
-    pass_over_older(result, beside_->tick() + 1);
-    next_place_ = result.started ? position() : position() + (position() - result.from);
-    result.still_held = offset_.is_held();
-    if (!result.still_held) followed_ = nullptr;
-    is_told_ = false;
-    return;
-  }
-  tell(result);
-  pass_over_older(result, beside_->tick());
-  next_place_ = position();
+  beside_->receive();
+  pass_over_older(result);
   follow_newest(result);
+  tell(result);
 }
 
 /// If the grid has snapped in this tick, late answers still tell of the branch before: they are
 /// passed over until one comes that is as late after the snap.
-void BranchTraversal::pass_over_older(const StepResult& result, std::uint64_t tick) noexcept {
+void BranchTraversal::pass_over_older(const StepResult& result) noexcept {
+  const std::uint64_t tick = beside_->tick() + 1;
+  const BesideAnswer* const answer = beside_->answer();
   if (result.started) trusted_from_ = tick;
-  if (result.snapped) trusted_from_ = tick + age_of_answer(tick);
-}
-
-void BranchTraversal::tell_model() noexcept {
-  if (!std::exchange(is_told_, true)) tell(last_step());
+  if (result.snapped) trusted_from_ = tick + (answer ? tick - answer->tick : 0);
 }
 
 void BranchTraversal::tell(const StepResult& result) noexcept {
@@ -65,32 +50,25 @@ void BranchTraversal::tell(const StepResult& result) noexcept {
   }
 }
 
-void BranchTraversal::follow_model(StepResult& result) noexcept {
-  beside_->receive();
-  follow_newest(result);
-}
-
-/// The newest answer's in this tick, in ticks; 0 where there is none.
-std::uint64_t BranchTraversal::age_of_answer(std::uint64_t tick) const noexcept {
-  const BesideAnswer* const answer = beside_->answer();
-  return answer ? tick - answer->tick : 0;
-}
-
 /// The grid decides where the model does not.
 void BranchTraversal::follow_newest(StepResult& result) noexcept {
-  const BesideAnswer* const answer = beside_->answer();
-  if (answer && answer->tick >= trusted_from_ && is_near_cell(part_beside_cell(answer->at))) {
-    const BesideAnswer& nearest = keep_nearest(*answer);
+  const BesideAnswer* const newest = beside_->answer();
+  if (newest && newest->tick >= trusted_from_) {
+    const BesideAnswer& nearest = keep_nearest(*newest);
+    if (length_of(nearest.at - position()) > kReach * box_.spacing) return follow_grid(result);
     result.still_held = offset_.is_held() && nearest.tick == held_tick_;
     if (result.still_held) return;
     followed_ = &nearest;
     held_tick_ = nearest.tick;
-    follow(nearest, result);
-    return;
+    return follow(nearest, result);
   }
+  follow_grid(result);
+}
+
+void BranchTraversal::follow_grid(StepResult& result) noexcept {
   followed_ = nullptr;
   offset_.let_go();
-  if (decide_by_grid(result)) pass_over_older(result, beside_->tick());
+  if (decide_by_grid(result)) pass_over_older(result);
 }
 
 /// A hand that turns round does not come to where the model looked ahead, but back to where it was:
@@ -101,7 +79,7 @@ const BesideAnswer& BranchTraversal::keep_nearest(const BesideAnswer& newest) no
     kept_[last_kept_] = newest;  // as long as those before: nothing is allocated
   }
   const BesideAnswer* nearest = &kept_[last_kept_];
-  const auto away = [&](const BesideAnswer& answer) { return length_of(answer.at - next_place_); };
+  const auto away = [&](const BesideAnswer& answer) { return length_of(answer.at - position()); };
   for (const BesideAnswer& answer : kept_)
     if (answer.tick >= trusted_from_ && newest.tick - answer.tick <= kOldestKept &&
         away(answer) < away(*nearest))

@@ -54,8 +54,6 @@ class BranchTraversal final : public Traversal {
   BranchTraversal(const Grid& grid, std::shared_ptr<const BranchMap> map,
                   std::uint16_t max_sub_steps = kDefaultMaxSubSteps);
   void walk_beside(Beside* beside) override { beside_ = beside; }
-  bool is_corrected_between() const noexcept override { return beside_ && beside_->has_thread(); }
-  void tell_model() noexcept override;
   const BesideAnswer* followed() const override { return followed_; }
   const BranchNodes* branch_nodes() const override { return &map_->nodes; }
 
@@ -65,7 +63,6 @@ class BranchTraversal final : public Traversal {
   bool cross(int q, PointIndex base, const Vec3& y, StepResult& result) noexcept override;
   bool move(const Vec3& x, StepResult& result) noexcept override;
   void settle(StepResult& result) noexcept override;
-  void follow_model(StepResult& result) noexcept override;
   void evaluate() noexcept override;
 
   /// The corners that an anchor gives a cell.
@@ -89,8 +86,8 @@ class BranchTraversal final : public Traversal {
   void change_anchor(StepResult& result) noexcept;
   void follow_newest(StepResult& result) noexcept;
   void tell(const StepResult& result) noexcept;
-  void pass_over_older(const StepResult& result, std::uint64_t tick) noexcept;
-  std::uint64_t age_of_answer(std::uint64_t tick) const noexcept;
+  void follow_grid(StepResult& result) noexcept;
+  void pass_over_older(const StepResult& result) noexcept;
   const BesideAnswer& keep_nearest(const BesideAnswer& newest) noexcept;
   void follow(const BesideAnswer& answer, StepResult& result) noexcept;
   double find_missing(const std::array<const double*, 8>& rows,
@@ -116,10 +113,7 @@ class BranchTraversal final : public Traversal {
   FadingOffset offset_;  // of row()
 
   Beside* beside_ = nullptr;
-  bool is_told_ = true;                     // of the last step, if another thread asks the model
   const BesideAnswer* followed_ = nullptr;  // by the last step
-  Vec3 next_place_{0, 0, 0};                // where an answer counts: if that is in the next step,
-                                            // where the hand is then if it goes straight on
   std::uint64_t held_tick_ = 0;             // of the last answer that was followed
   static constexpr std::size_t kKept = 16;
   std::array<BesideAnswer, kKept> kept_{};  // the last answers, a ring

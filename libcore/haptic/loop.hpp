@@ -97,11 +97,6 @@ class Responder {
   Responder(Mapping& mapping, Traversal& traversal, SafetyCore& safety, Force& force)
       : mapping_(mapping), traversal_(traversal), safety_(safety), force_(force) {}
 
-  /// Between two ticks: state and force take what the model beside the grid has said.
-  void correct() {
-    if (traversal_.correct()) static_cast<void>(force_(std::as_const(traversal_)));
-  }
-
   /// @param dt seconds since the tick before, by the schedule. @param missed ticks in between.
   /// @param slew_ns as Tick has it
   Tick respond(std::uint64_t number, const DeviceInput& input, double dt, std::uint64_t missed,
@@ -206,10 +201,6 @@ void drive(Device& device, Mapping& mapping, Traversal& traversal, SafetyCore& s
   std::uint64_t last = 0;
   std::int64_t sent_ns = 0;
   for (;;) {
-    if (traversal.is_corrected_between()) {
-      pacer.wait_for_eve(stop);
-      responder.correct();
-    }
     const std::uint64_t due = pacer.wait(stop);
     heartbeat.fetch_add(1, std::memory_order_relaxed);
     if (stop.load(std::memory_order_relaxed) != 0) {
@@ -247,7 +238,6 @@ void drive(Device& device, Mapping& mapping, Traversal& traversal, SafetyCore& s
     tick.lateness_ns = pacer.lateness_ns();
     sent_ns = clock.now();
     tick.compute_ns = sent_ns - pacer.began_ns();
-    traversal.tell_model();
     summary.count(tick);
     sink(tick);
     summary.missed += passed - 1;
@@ -259,8 +249,7 @@ void drive(Device& device, Mapping& mapping, Traversal& traversal, SafetyCore& s
 
 /// Drives `device` until it ends or fails or `stop` is nonzero.
 /// @param force  Vec3 (const Traversal&): the force in newtons at the traversal's position, asked
-///               after each usable step, of which it knows by Traversal::last_step(), and after
-///               each Traversal::correct(), where it is not sent. Real-time
+///               after each usable step, of which it knows by Traversal::last_step(). Real-time
 ///               safe. It may have a member double stored_energy(const Traversal&): the energy in
 ///               joules that the hand can get from the model there, asked after the force where
 ///               the safety core needs it.

@@ -93,7 +93,7 @@ NodeCorners NodeForce::corners_of(const std::array<RecordIndex, 8>& nodes) const
 Vec3 NodeForce::operator()(const Traversal& traversal) noexcept {
   const StepResult& step = traversal.last_step();
   const NodeCorners corners = corners_of(traversal.nodes());
-  const bool jumps = (step.jumped() && !step.still_held) || step.split;
+  const bool jumps = step.jumped() || step.split;
   offset_.fade(step.from, traversal.position());
   if (jumps)
     offset_.end();

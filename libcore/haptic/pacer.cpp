@@ -33,28 +33,6 @@ std::uint64_t Pacer::tick_at(std::int64_t nanoseconds) const noexcept {
   return static_cast<std::uint64_t>(static_cast<double>(nanoseconds) * rate_hz_ / kSecond);
 }
 
-/// When the next tick is due: the first deadline that was still ahead when this was asked first.
-std::int64_t Pacer::deadline() noexcept {
-  if (deadline_ns_) return *deadline_ns_;
-  next_ = std::max(next_, tick_at(clock_.now() - start_ns_) + 1);
-  deadline_ns_ = start_ns_ + static_cast<std::int64_t>(
-                                 std::ceil(static_cast<double>(next_) / rate_hz_ * kSecond));
-  return *deadline_ns_;
-}
-
-void Pacer::sleep_until(std::int64_t wake, const std::atomic<int>& stop) noexcept {
-  while (clock_.now() < wake && stop.load(std::memory_order_relaxed) == 0) {
-    clock_.sleep_until(wake);
-    slept_ns_ = wake;
-  }
-}
-
-void Pacer::wait_for_eve(const std::atomic<int>& stop) noexcept {
-  if (rate_hz_ == 0 || !started_) return;
-  const auto eighth = static_cast<std::int64_t>(kSecond / (8 * rate_hz_));
-  sleep_until(deadline() - eighth, stop);
-}
-
 std::uint64_t Pacer::wait(const std::atomic<int>& stop) noexcept {
   if (rate_hz_ == 0 || !started_) {
     began_ns_ = clock_.now();
@@ -66,9 +44,15 @@ std::uint64_t Pacer::wait(const std::atomic<int>& stop) noexcept {
     clock_.sleep_until(now + kNap);
     slept_ns_ = clock_.now();
   }
-  const std::int64_t due_ns = deadline();
-  deadline_ns_.reset();
-  sleep_until(due_ns - spin_ns_, stop);
+  // The first deadline that is still ahead.
+  next_ = std::max(next_, tick_at(clock_.now() - start_ns_) + 1);
+  const std::int64_t due_ns =
+      start_ns_ +
+      static_cast<std::int64_t>(std::ceil(static_cast<double>(next_) / rate_hz_ * kSecond));
+  while (clock_.now() < due_ns - spin_ns_ && stop.load(std::memory_order_relaxed) == 0) {
+    clock_.sleep_until(due_ns - spin_ns_);
+    slept_ns_ = due_ns - spin_ns_;
+  }
   do {
     began_ns_ = clock_.now();
   } while (began_ns_ < due_ns && stop.load(std::memory_order_relaxed) == 0);

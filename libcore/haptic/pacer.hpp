@@ -4,7 +4,6 @@
 
 #include <atomic>
 #include <cstdint>
-#include <optional>
 
 namespace hapgrid {
 
@@ -32,9 +31,6 @@ class Pacer {
   /// through a signal's handler. A thread that always waits awake, or is always late, sleeps for a
   /// moment each half second all the same: see kLongestBusy in realtime.hpp. Real-time safe.
   std::uint64_t wait(const std::atomic<int>& stop) noexcept;
-  /// Waits until an eighth of a period before that tick is due, so that the loop can do there what
-  /// needs no place of the hand. Returns at once when not paced. Real-time safe.
-  void wait_for_eve(const std::atomic<int>& stop) noexcept;
 
   /// How long after its due time the last tick began, in nanoseconds; 0 when not paced.
   std::int64_t lateness_ns() const { return lateness_ns_; }
@@ -44,8 +40,6 @@ class Pacer {
  private:
   /// The tick in whose period `nanoseconds` after the start lies.
   std::uint64_t tick_at(std::int64_t nanoseconds) const noexcept;
-  std::int64_t deadline() noexcept;
-  void sleep_until(std::int64_t wake, const std::atomic<int>& stop) noexcept;
 
   Clock& clock_;
   double rate_hz_;
@@ -56,7 +50,6 @@ class Pacer {
   std::int64_t slept_ns_ = 0;  // until when
   std::int64_t lateness_ns_ = 0;
   std::uint64_t next_ = 0;
-  std::optional<std::int64_t> deadline_ns_;  // of the tick next_, once it is known
 };
 
 }  // namespace hapgrid

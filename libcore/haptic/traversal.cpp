@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
@@ -45,7 +44,7 @@ Traversal::Traversal(const Grid& grid, std::uint16_t max_sub_steps)
 
 const StepResult& Traversal::start(const Vec3& hip, Level level) noexcept {
   step_ = {.started = true, .from = position_};
-  started_ = snapped_between_ = false;
+  started_ = false;
   ++jumps_;
   if (!finite(hip)) {
     step_.not_finite = true;
@@ -112,18 +111,8 @@ const StepResult& Traversal::step(const Vec3& hip, bool next) noexcept {
 }
 
 void Traversal::finish() noexcept {
-  if (std::exchange(snapped_between_, false)) step_.snapped = step_.level_changed = true;
   jumps_ += step_.snapped;
   evaluate();
-}
-
-bool Traversal::correct() noexcept {
-  if (!started_ || !step_.usable()) return false;
-  step_ = {.from = position_};
-  follow_model(step_);
-  snapped_between_ |= step_.snapped;
-  evaluate();
-  return true;
 }
 
 bool Traversal::clamp(Vec3& x) const noexcept {

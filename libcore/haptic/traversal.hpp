@@ -63,8 +63,7 @@ struct StepResult {
   std::uint16_t face_switches = 0;
   std::uint16_t edge_switches = 0;
   std::uint16_t vertex_switches = 0;
-  /// The model's answer that was followed last still counts: of the last ones, it is that about the
-  /// place nearest to position(), or others are followed between the steps.
+  /// The step follows the same answer of the model as the one before.
   bool still_held = false;
   std::int8_t direction = -1;  ///< of the last switch to another cell; -1: there was none
   /// Some corner that the cells before and after the step share has another node. False where the
@@ -118,14 +117,6 @@ class Traversal {
   /// From now on the model corrects state and force, where it keeps up. A rule that has no branches
   /// ignores it. @param beside of the same grid; it is told of each step, and outlives this.
   virtual void walk_beside(Beside*) {}
-  /// Whether the model is asked by another thread: then tell_model() is to be called after each
-  /// step, and correct() before the next one.
-  virtual bool is_corrected_between() const noexcept { return false; }
-  virtual void tell_model() noexcept {}
-  /// Between two steps: takes what the model has said since the last one, as a step does in which
-  /// the hand rests. So no step waits for memory that the model's thread has written. If the state
-  /// snaps, the next step says so. @returns whether last_step() is such a step now
-  bool correct() noexcept;
   /// The model's answer that the last step followed; null where there was none.
   virtual const BesideAnswer* followed() const { return nullptr; }
   /// Where position() is in the cell, in [0, 1] on each axis.
@@ -170,8 +161,6 @@ class Traversal {
   /// Once in each step that is usable, when position() is settled: decides between states that the
   /// place allows, for rules that know more of the hand than its place.
   virtual void settle(StepResult&) noexcept {}
-  /// Corrects the state at position(), between two steps.
-  virtual void follow_model(StepResult&) noexcept {}
   /// Sets row() to what is at position().
   virtual void evaluate() noexcept = 0;
 
@@ -209,7 +198,6 @@ class Traversal {
   Vec3 box_high_;
   bool started_ = false;
   StepResult step_;
-  bool snapped_between_ = false;  // since step_
   std::uint64_t jumps_ = 0;
   Vec3 position_{0, 0, 0};
   GridCoordinates cell_{0, 0, 0};

@@ -18,7 +18,8 @@ std::optional<std::uint32_t> ticks_of(const std::string& text) {
   std::uint32_t ticks = 0;
   const char* const end = text.data() + text.size();
   const auto read = std::from_chars(text.data(), end, ticks);
-  const bool is_number = read.ec == std::errc() && read.ptr == end && ticks <= kMostDelay;
+  const bool is_number =
+      read.ec == std::errc() && read.ptr == end && ticks > 0 && ticks <= kMostDelay;
   return is_number ? std::optional(ticks) : std::nullopt;
 }
 
@@ -33,7 +34,7 @@ std::unique_ptr<Beside> make_beside(const std::string& wanted, bool must, bool h
                                     const MakeModel& create) {
   if (wanted == kBesideOff || !branches || branches->are_whole()) return nullptr;
   std::optional<std::uint32_t> delay;
-  if (!has_thread) delay = ticks_of(wanted).value_or(0);
+  if (!has_thread) delay = ticks_of(wanted).value_or(1);
   try {
     return std::make_unique<Beside>(grid, create(), delay, [](const std::string& why) {
       say("play",

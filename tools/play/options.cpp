@@ -39,7 +39,7 @@ void add_device_options(CommandLine& app, PlayOptions& options) {
          "device wait; 'off'; or, for other devices, by how many TICKS it is late. Default: on, if "
          "it is a plug-in or allowed.")
       .type("on|off|TICKS")
-      .check(is_beside, "on, off or a whole number of ticks up to 10000");
+      .check(is_beside, "on, off or a whole number of ticks from 1 to 10000");
   app.add_flag("--list-devices", options.list_devices,
                "List the devices of this machine, with the text for --device, instead of playing.");
   add_asked_model_options(app, options.model);

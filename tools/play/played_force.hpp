@@ -32,8 +32,7 @@ class PlayForce {
   /// The largest force of the grid's records, in newtons; infinite where it is not known.
   double largest() const { return largest_; }
 
-  /// The force at the traversal's position, in each tick, and between two after
-  /// Traversal::correct(). Real-time safe, as far as the model.
+  /// The force at the traversal's position, in each tick. Real-time safe, as far as the model.
   Vec3 operator()(const Traversal& traversal) noexcept {
     return nodes_ ? (*nodes_)(traversal) : fields_.force(traversal.position(), traversal.row());
   }

@@ -140,7 +140,7 @@ expect 2 '' "play: --beside: how late the model is for a live device cannot be c
   play grid --device keys --beside 5
 expect 2 '' "play: --beside: only --traversal branch has branches between which to choose $help" -- \
   play grid --device sim:sim.toml --traversal paper --beside on
-expect 2 '' "play: --beside: '20ms' is not on, off or a whole number of ticks up to 10000 $help" -- \
+expect 2 '' "play: --beside: '20ms' is not on, off or a whole number of ticks from 1 to 10000 $help" -- \
   play grid --device sim:sim.toml --beside 20ms
 expect 2 '' "play: --sessions: only --device sim:FILE has sessions to tell of $help" -- \
   play grid --device replay:a.session --sessions table

@@ -56,12 +56,12 @@ TEST_CASE("where the grid and the model disagree on a snap, the state follows th
   // spacing; a tick at each end can count or not.
   CHECK(std::abs(ticks_apart(grid, kEndsLate, std::nullopt) - (80 + 20)) <= 2);
   CHECK(std::abs(ticks_apart(grid, kEndsEarly, std::nullopt) - (40 + 20)) <= 2);
-  CHECK(ticks_apart(grid, kEndsLate, 0) == 0);
-  CHECK(ticks_apart(grid, kEndsEarly, 0) == 0);
-  // Play hears 5 ticks later what the model said, but the model looked so far ahead. A tick at each
-  // snap can count or not.
-  CHECK(ticks_apart(grid, kEndsEarly, 5) <= 2);
-  CHECK(ticks_apart(grid, kEndsLate, 5) <= 2);
+  // Play hears some ticks later what the model said, but the model looked so far ahead. A tick at
+  // each snap can count or not.
+  for (const std::uint32_t delay : {1U, 5U, 21U}) {
+    CHECK(ticks_apart(grid, kEndsEarly, delay) <= 2);
+    CHECK(ticks_apart(grid, kEndsLate, delay) <= 2);
+  }
 }
 
 TEST_CASE("the state and the force are the model's, and fade to the grid's when it fails") {
@@ -72,37 +72,35 @@ TEST_CASE("the state and the force are the model's, and fade to the grid's when 
   path.reserve(1000);
   for (int i = 0; i < 400; ++i) path.push_back(2.7 + 1.5 * std::sin(i / 50.0));
   while (path.back() < 5.5) path.push_back(path.back() + 0.01);
-  for (const std::uint32_t delay : {0U, 1U}) {
-    Beside beside(grid, wavy_model(grid.spec(), fails_at), delay);
-    beside.begin(1000);
-    BranchTraversal t(grid, std::make_shared<const BranchMap>(grid));
-    t.walk_beside(&beside);
-    RecordFields fields;
-    for (int i = 0; i < 8; ++i) fields.force.push_back({-i / 10.0, 0, 0});
-    NodeForce force(std::make_shared<const NodeEnergies>(grid, fields), grid.box(), mean_force);
-    // An answer that is late looks ahead to where the hand is, but for the bend of its way, 1.5 /
-    // 50^2 at most. The wave is steepest where it is 0. In the first tick there is none.
-    const double off = delay == 0 ? 1e-12 : 1e-12 + 1.5 / 2500 * 2 * std::numbers::pi * kWave;
-    // So far both move in a tick of at most 0.03, and what they lack fades within half a spacing.
-    const double most = 0.03 * (1 + 2 * std::numbers::pi * kWave + kWave / 0.5);
-    double before = path[0] + wave(path[0]), force_before = -path[0] / 10 + wave(path[0]);
-    for (std::size_t i = 0; i < path.size(); ++i) {
-      const double x = path[i];
-      REQUIRE(t.step({x, 0, 0}).usable());
-      const double state = t.state()[0], f = force(t)[0];
-      if (i > delay) {
-        CHECK(std::abs(state - before) < most);
-        CHECK(std::abs(f - force_before) < most);
-      }
-      before = state, force_before = f;
-      const bool has_failed = x >= fails_at + 0.51;
-      // Late answers begin after the start: what the grid lacks comes within half a spacing. In
-      // tick 400 the hand changes its speed at once.
-      if (i > 40 && i != 400 && (x < fails_at - 0.05 || has_failed)) {
-        const double lacks = has_failed ? 0 : wave(x);
-        CHECK(std::abs(state - x - lacks) <= off);
-        CHECK(std::abs(f + x / 10 - lacks) <= off + 1e-6);  // the grid's forces are floats
-      }
+  Beside beside(grid, wavy_model(grid.spec(), fails_at), 1);
+  beside.begin(1000);
+  BranchTraversal t(grid, std::make_shared<const BranchMap>(grid));
+  t.walk_beside(&beside);
+  RecordFields fields;
+  for (int i = 0; i < 8; ++i) fields.force.push_back({-i / 10.0, 0, 0});
+  NodeForce force(std::make_shared<const NodeEnergies>(grid, fields), grid.box(), mean_force);
+  // An answer is a tick late and looks ahead to where the hand is, but for the bend of its way, 1.5
+  // / 50^2 at most. The wave is steepest where it is 0. In the first tick there is none.
+  const double off = 1e-12 + 1.5 / 2500 * 2 * std::numbers::pi * kWave;
+  // So far both move in a tick of at most 0.03, and what they lack fades within half a spacing.
+  const double most = 0.03 * (1 + 2 * std::numbers::pi * kWave + kWave / 0.5);
+  double before = path[0] + wave(path[0]), force_before = -path[0] / 10 + wave(path[0]);
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const double x = path[i];
+    REQUIRE(t.step({x, 0, 0}).usable());
+    const double state = t.state()[0], f = force(t)[0];
+    if (i > 1) {
+      CHECK(std::abs(state - before) < most);
+      CHECK(std::abs(f - force_before) < most);
+    }
+    before = state, force_before = f;
+    const bool has_failed = x >= fails_at + 0.51;
+    // Answers begin after the start: what the grid lacks comes within half a spacing. In tick 400
+    // the hand changes its speed at once.
+    if (i > 40 && i != 400 && (x < fails_at - 0.05 || has_failed)) {
+      const double lacks = has_failed ? 0 : wave(x);
+      CHECK(std::abs(state - x - lacks) <= off);
+      CHECK(std::abs(f + x / 10 - lacks) <= off + 1e-6);  // the grid's forces are floats
     }
   }
 }
@@ -149,22 +147,27 @@ TEST_CASE("an answer is about where the hand is when it comes, if the hand goes 
   beside.begin(1000);
   beside.start({1, 0, 0});
   for (int i = 1; i <= 40; ++i) beside.follow({1 + i / 100.0, 0, 0});
+  beside.receive();
   REQUIRE(beside.answer());
-  CHECK(beside.answer()->tick == 41 - 3);
-  CHECK(beside.answer()->at[0] == Approx(1.4).epsilon(1e-12));  // some roundings
-  CHECK(beside.answer()->row[0] == Approx(11.4).epsilon(1e-12));
+  CHECK(beside.answer()->tick == 42 - 3);
+  CHECK(beside.answer()->at[0] == Approx(1.41).epsilon(1e-12));  // some roundings
+  CHECK(beside.answer()->row[0] == Approx(11.41).epsilon(1e-12));
 }
 
-TEST_CASE("an answer that is older than 20 ms is not used") {
+TEST_CASE(
+    "an answer counts by its way: as long as its place is within half a spacing of the hand") {
   const Grid grid = line();
-  CHECK(ticks_apart(grid, kEndsLate, 21) == ticks_apart(grid, kEndsLate, std::nullopt));
+  // So late that the model does not look ahead: 100 ticks are half a spacing.
+  CHECK(ticks_apart(grid, kEndsLate, 101) == ticks_apart(grid, kEndsLate, std::nullopt));
   Beside beside(grid, model_of_line(grid.spec(), kEndsLate), 20);
   beside.begin(1000);
   beside.start({1, 0, 0});
-  for (int i = 1; i <= 20; ++i) {
+  for (int i = 1; i < 20; ++i) {
+    beside.receive();
     CHECK(beside.answer() == nullptr);
     beside.follow({1 + i / 100.0, 0, 0});
   }
+  beside.receive();
   REQUIRE(beside.answer());
   CHECK(beside.answer()->tick == 1);
   CHECK(beside.answer()->at == Vec3{1, 0, 0});
@@ -183,7 +186,7 @@ TEST_CASE("a model that cannot convert a state leaves the decision to the grid")
                 std::make_unique<tiny::TestModel>(
                     grid.spec(), [](const double*, const Vec3&, const Vec3&, double*,
                                     std::string& error) { return error = "no", false; }),
-                0);
+                1);
   beside.begin(1000);
   t.walk_beside(&beside);
   BranchTraversal alone(grid, std::make_shared<const BranchMap>(grid));

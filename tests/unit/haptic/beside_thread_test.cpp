@@ -1,11 +1,11 @@
-// The thread of the model beside the grid: the loop never waits for it, and takes what it says
-// between two steps.
+// The thread of the model beside the grid: the loop never waits for it, and a step begins with what
+// it said last.
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <memory>
 #include <string>
 #include <thread>
-#include <utility>
 #include <vector>
 
 #include "libcore/haptic/branch_traversal.hpp"
@@ -44,58 +44,53 @@ TEST_CASE("a thread follows the hand along its whole way, and nobody waits for i
 
 namespace {
 
-/// Until the thread's answer to the last step was taken.
-void wait_for_answer(BranchTraversal& t, NodeForce& force, const Beside& beside) {
-  t.tell_model();
-  for (int i = 0; i < 20'000; ++i) {
-    REQUIRE(t.correct());
-    force(t);
-    if (t.last_step().snapped || (beside.answer() && beside.answer()->tick == beside.tick()))
-      return;
+/// Until the thread's answer to the last step is there; the next step takes it.
+void wait_for_answer(Beside& beside) {
+  const auto is_there = [&] {
+    beside.receive();
+    return beside.answer() && beside.answer()->tick == beside.tick();
+  };
+  for (int i = 0; i < 20'000 && !is_there(); ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  FAIL("no answer within 20 s");
+  REQUIRE(is_there());
 }
 
 }  // namespace
 
-TEST_CASE("what the thread's model says is taken between two steps, of which the next one tells") {
+TEST_CASE("a step follows what the thread's model said last, and tells of its snap") {
   const Grid grid = line();
-  const auto branches = std::make_shared<const BranchMap>(grid);
-  BranchTraversal t(grid, branches);
+  BranchTraversal t(grid, std::make_shared<const BranchMap>(grid));
   Beside beside(grid, model_of_line(grid.spec(), kEndsEarly), std::nullopt);
   beside.begin(1000);
   t.walk_beside(&beside);
-  CHECK(t.is_corrected_between());
-  CHECK_FALSE(t.correct());  // nothing has begun
-  RecordFields fields;
-  for (RecordIndex i = 0; i < grid.records(); ++i) fields.force.push_back({0, 0, 0});
-  const auto energies = std::make_shared<NodeEnergies>(grid, fields);
-  energies->add_ghosts(grid, branches->nodes);
-  NodeForce force(energies, grid.box(), mean_force);
-  // The model says that the branch ends at 4.3, the grid at 4.5. Nothing jumps in a step itself:
-  // the one after the snap tells of it.
+  // The model says that the branch ends at 4.3, the grid at 4.5.
   int told = 0;
-  bool has_snapped = false;
   for (int i = 50; i <= 870; ++i) {
     const double x = i / 200.0;
     REQUIRE(t.step({x, 0, 0}).usable());
-    force(t);
-    REQUIRE(t.last_step().snapped == std::exchange(has_snapped, false));
     told += t.last_step().snapped;
     REQUIRE(t.jumps() == 1 + static_cast<std::uint64_t>(told));  // the start is one
-    wait_for_answer(t, force, beside);
-    has_snapped = t.last_step().snapped;
     if (x < kEndsEarly - 0.01) REQUIRE(std::abs(t.state()[0] - state_at(true, x)) < 1e-12);
     if (x > kEndsEarly + 0.01) REQUIRE(t.state()[0] == state_at(false, x));
+    wait_for_answer(beside);
   }
   CHECK(told == 1);
 }
 
-TEST_CASE("between two answers of the thread's model, what the grid lacks stays the same") {
+TEST_CASE(
+    "while the thread's model thinks, what the grid lacks stays the same for half a spacing") {
   const Grid grid = straight_line();
+  const auto wavy = std::shared_ptr<Model>(wavy_model(grid.spec(), 8));
+  std::atomic<bool> thinks{false};
   BranchTraversal t(grid, std::make_shared<const BranchMap>(grid));
-  Beside beside(grid, wavy_model(grid.spec(), 8), std::nullopt);
+  Beside beside(grid,
+                std::make_unique<tiny::TestModel>(
+                    grid.spec(),
+                    [&](const double* s, const Vec3& x, const Vec3& d, double* row, std::string&) {
+                      while (thinks) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+                      return wavy->convert(s, x, d, row);
+                    }),
+                std::nullopt);
   beside.begin(1000);
   t.walk_beside(&beside);
   RecordFields fields;
@@ -108,7 +103,7 @@ TEST_CASE("between two answers of the thread's model, what the grid lacks stays 
   // What was missing first comes within half a spacing.
   for (const double x : {2.3, 2.5, 2.7, 2.9, 2.9, 2.9}) {
     step(x);
-    wait_for_answer(t, force, beside);
+    wait_for_answer(beside);
   }
   REQUIRE(beside.answer()->at == Vec3{2.9, 0, 0});
   // If the hand goes straight on, the answer is about where it comes to.
@@ -118,17 +113,24 @@ TEST_CASE("between two answers of the thread's model, what the grid lacks stays 
       CHECK(std::abs(t.state()[0] - x - wave(x)) < 1e-9);  // roundings of places
       CHECK(std::abs(f + x / 10 - wave(x)) < 1e-6);        // the grid's forces are floats
     }
-    wait_for_answer(t, force, beside);
+    wait_for_answer(beside);
   }
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < 20; ++i) {  // until no other answer is kept
     step(2.9);
-    wait_for_answer(t, force, beside);
+    wait_for_answer(beside);
   }
-  for (const double x : {2.9, 2.95, 3.0, 3.05}) {  // over a point, where the corners change
+  thinks = true;
+  // Over a point, where the corners change, and up to half a spacing from the last answer.
+  for (const double x : {2.9, 2.95, 3.0, 3.05, 3.39}) {
     const double f = step(x);
     CHECK(std::abs(t.state()[0] - x - wave(2.9)) < 1e-12);  // some roundings
     CHECK(std::abs(f + x / 10 - wave(2.9)) < 1e-6);         // the grid's forces are floats
   }
+  // Farther on it fades within half a spacing: the grid alone decides.
+  for (const double x : {3.41, 3.7, 3.95}) step(x);
+  CHECK(t.state()[0] == Approx(3.95).epsilon(1e-12));
+  CHECK(std::abs(step(3.95) + 0.395) < 1e-6);
+  thinks = false;
 }
 
 TEST_CASE("a process that fails is told of once, and one that is stuck does not hold up the end") {
@@ -142,10 +144,11 @@ TEST_CASE("a process that fails is told of once, and one that is stuck does not 
   std::vector<std::string> told;
   const auto tell = [&](const std::string& why) { told.push_back(why); };
   {
-    Beside beside(grid, process("exit 3").create({}), 0, tell);
+    Beside beside(grid, process("exit 3").create({}), 1, tell);
     beside.begin(1000);
     beside.start({0.5, 0, 0});
     beside.follow({0.6, 0, 0});
+    beside.receive();
     CHECK_FALSE(beside.answer());
     CHECK(beside.kept_up() == 0);
   }

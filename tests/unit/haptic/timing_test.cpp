@@ -75,32 +75,6 @@ TEST_CASE("a pacer that spins is never early, and tells how late it was") {
   }
 }
 
-TEST_CASE("on the eve of a tick an eighth of a period is left, and a late eve skips no tick") {
-  /// Each sleep ends late.
-  struct VirtualClock : Clock {
-    std::int64_t ns = 0, late_ns = 0;
-    std::int64_t now() noexcept override { return ns; }
-    void sleep_until(std::int64_t until) noexcept override { ns = std::max(ns, until) + late_ns; }
-  };
-  constexpr std::int64_t kPeriod = 1'000'000;
-  const std::atomic<int> stop{0};
-  VirtualClock clock;
-  Pacer pacer(clock, 1000);
-  pacer.wait_for_eve(stop);  // the first tick is due at once
-  CHECK(pacer.wait(stop) == 0);
-  for (const std::int64_t late_ns : {0, 100'000, 200'000}) {
-    const std::int64_t due = (clock.ns / kPeriod + 1) * kPeriod;
-    clock.late_ns = late_ns;
-    pacer.wait_for_eve(stop);
-    CHECK(clock.ns == due - kPeriod / 8 + late_ns);
-    CHECK(pacer.wait(stop) == static_cast<std::uint64_t>(due / kPeriod));
-    // Who woke up behind the deadline does not sleep again; who did before it sleeps, late.
-    CHECK(pacer.began_ns() == (late_ns < kPeriod / 8 ? due + late_ns : clock.ns));
-    CHECK(pacer.lateness_ns() == clock.ns - due);
-  }
-  CHECK(clock.ns == 3 * kPeriod + 75'000);
-}
-
 TEST_CASE("a pacer that is always late, or always waits awake, sleeps twice a second") {
   /// Each look at it takes its time.
   struct SlowClock : Clock {
