@@ -1,6 +1,4 @@
-// A cell with a current level in each of its corners, and the rule that gives a neighbouring cell
-// the levels of its corners (Sect. 2.4). The traversal of play uses these functions, and verify
-// uses the same ones to find every cell that play can meet.
+// The cells of a grid, their corners, and the moves from a cell to its neighbours (Sect. 2.4).
 #pragma once
 
 #include <array>
@@ -9,13 +7,6 @@
 #include "libcore/grid/grid.hpp"
 
 namespace hapgrid {
-
-/// The current records of a cell's corners i + 2j + 4k. Along an axis with one point the cell is
-/// flat: both corners are the same grid point.
-struct Corners {
-  std::array<RecordIndex, 8> record{};
-  std::array<Level, 8> level{};
-};
 
 /// One of the 26 moves from a cell to a cell that shares a vertex with it: for each corner of the
 /// new cell the corner of the old cell that supplies it, and the direction of that conversion, or
@@ -100,41 +91,6 @@ class Cells {
   /// The grid point of a corner.
   PointIndex point(PointIndex base, int corner) const { return base + corner_offset_[corner]; }
 
-  /// How play starts in a cell: the corner nearest to the HIP has level 0, and the other seven have
-  /// its destination levels. False when a link or that level is missing. Source: Sect. 2.4.
-  /// Deviation: level 0 in all corners, as printed there, can mix branches.
-  /// @param nearest the corner nearest to the HIP; is_corner(nearest) must hold
-  bool start(PointIndex base, int nearest, Corners& corners, Level level = 0) const noexcept {
-    const PointIndex nearest_point = point(base, nearest);
-    if (grid_.levels(nearest_point) <= level) return false;
-    corners.level.fill(level);
-    corners.record.fill(grid_.first(nearest_point) + level);
-    for (int corner = 0; corner < 8; ++corner) {
-      const int q = kBetweenCorners[nearest][distinct(corner)];
-      if (q >= 0 && !follow(corners.record[nearest], q, base, corners, corner)) return false;
-    }
-    return true;
-  }
-
-  /// How play changes cells: finds the corners `to` of the cell at `base`, to which the move q
-  /// leads from the cell with the corners `from`. False when a link is missing: `to` is undefined.
-  /// @param level_changed set to true when a conversion leads to another level number
-  bool cross(int q, PointIndex base, const Corners& from, Corners& to,
-             bool& level_changed) const noexcept {
-    const CellSwitch& table = kCellSwitches[q];
-    for (int corner = 0; corner < 8; ++corner) {
-      const int source = table.from[corner];
-      if (table.direction[corner] == CellSwitch::kKept) {
-        to.record[corner] = from.record[source];
-        to.level[corner] = from.level[source];
-        continue;
-      }
-      if (!follow(from.record[source], table.direction[corner], base, to, corner)) return false;
-      level_changed |= to.level[corner] != from.level[source];
-    }
-    return true;
-  }
-
   /// The record to which direction q leads from a record, where it is known to lead to corner
   /// `corner` of the cell at `base`; Grid::kNoRecord as Grid::destination() says, which would
   /// compute the target and its neighbourhood again.
@@ -145,13 +101,6 @@ class Cells {
   }
 
  private:
-  bool follow(RecordIndex from, int q, PointIndex base, Corners& corners,
-              int corner) const noexcept {
-    corners.record[corner] = destination(from, q, base, corner);
-    corners.level[corner] = grid_.links(from)[q];
-    return corners.record[corner] != Grid::kNoRecord;
-  }
-
   const Grid& grid_;
   int flat_ = 0;                             // bits of the axes with one point
   std::array<PointIndex, 8> corner_offset_;  // from the base, as point indices

@@ -23,52 +23,53 @@ constexpr std::uint64_t kOldestKept = 64;
 
 }  // namespace
 
-void BranchTraversal::settle(StepResult& result) noexcept {
-  if (!beside_) return;
+/// In each step that is usable, when position() is settled.
+void BranchTraversal::follow_model() noexcept {
   beside_->receive();
-  pass_over_older(result);
-  follow_newest(result);
-  tell(result);
+  pass_over_older();
+  follow_newest();
+  tell_model();
 }
 
 /// If the grid has snapped in this tick, late answers still tell of the branch before: they are
 /// passed over until one comes that is as late after the snap.
-void BranchTraversal::pass_over_older(const StepResult& result) noexcept {
+void BranchTraversal::pass_over_older() noexcept {
   const std::uint64_t tick = beside_->tick() + 1;
   const BesideAnswer* const answer = beside_->answer();
-  if (result.started) trusted_from_ = tick;
-  if (result.snapped) trusted_from_ = tick + (answer ? tick - answer->tick : 0);
+  if (step_.started) trusted_from_ = tick;
+  if (step_.snapped) trusted_from_ = tick + (answer ? tick - answer->tick : 0);
 }
 
-void BranchTraversal::tell(const StepResult& result) noexcept {
-  if (result.started) {
+void BranchTraversal::tell_model() noexcept {
+  if (step_.started) {
     beside_->start(position());
-  } else if (result.chosen != kNoLevel) {
-    beside_->start(position(), result.chosen);
+  } else if (step_.chosen != kNoLevel) {
+    beside_->start(position(), step_.chosen);
   } else {
     beside_->follow(position());
   }
 }
 
 /// The grid decides where the model does not.
-void BranchTraversal::follow_newest(StepResult& result) noexcept {
+void BranchTraversal::follow_newest() noexcept {
   const BesideAnswer* const newest = beside_->answer();
-  if (newest && newest->tick >= trusted_from_) {
-    const BesideAnswer& nearest = keep_nearest(*newest);
-    if (length_of(nearest.at - position()) > kReach * box_.spacing) return follow_grid(result);
-    result.still_held = offset_.is_held() && nearest.tick == held_tick_;
-    if (result.still_held) return;
-    followed_ = &nearest;
-    held_tick_ = nearest.tick;
-    return follow(nearest, result);
-  }
-  follow_grid(result);
+  follows_as_before_ = false;
+  if (!newest || newest->tick < trusted_from_) return follow_grid();
+  const BesideAnswer& nearest = keep_nearest(*newest);
+  if (length_of(nearest.at - position()) > kReach * grid_.box().spacing) return follow_grid();
+  follows_as_before_ = offset_.is_held() && nearest.tick == held_tick_;
+  if (follows_as_before_) return;
+  followed_ = &nearest;
+  held_tick_ = nearest.tick;
+  follow(nearest);
 }
 
-void BranchTraversal::follow_grid(StepResult& result) noexcept {
+void BranchTraversal::follow_grid() noexcept {
   followed_ = nullptr;
   offset_.let_go();
-  if (decide_by_grid(result)) pass_over_older(result);
+  if (!decide_by_grid()) return;
+  note_snap();
+  pass_over_older();
 }
 
 /// A hand that turns round does not come to where the model looked ahead, but back to where it was:
@@ -89,8 +90,8 @@ const BesideAnswer& BranchTraversal::keep_nearest(const BesideAnswer& newest) no
 
 /// Takes the state of the model, as the sum of what the branch of the cell has that is nearest to
 /// it, and of what is missing there.
-void BranchTraversal::follow(const BesideAnswer& answer, StepResult& result) noexcept {
-  const std::array<double, 8> weights = corner_weights(part_beside_cell(answer.at));
+void BranchTraversal::follow(const BesideAnswer& answer) noexcept {
+  const std::array<double, 8> weights = corner_weights(walk_.part_beside_cell(answer.at));
   const double tolerance = grid_.spec().tolerance;
   const double present = find_missing(rows_, weights, answer.row);
   double jump = 0;  // from the interpolated state and the offset, which play expects at this place
@@ -102,15 +103,15 @@ void BranchTraversal::follow(const BesideAnswer& answer, StepResult& result) noe
   }
   if (present > kSame * kSame * tolerance * tolerance) {
     const std::array<Node, 8> before = nodes_;
-    enter_nearest(weights, answer.row, kNearer * present, result);
+    enter_nearest(weights, answer.row, kNearer * present);
     const double left = find_missing(rows_, weights, answer.row);
     if (nodes_ != before && jump > tolerance * tolerance && left < kFarNearer * jump) {
-      result.snapped = result.level_changed = true;
+      note_snap();
       trusted_from_ = answer.tick;  // those before are of the branch before
       offset_.end();
     }
   }
-  offset_.hold(missing_, result.jumped());
+  offset_.hold(missing_, step_.jumped());
 }
 
 /// Sets missing_ to what the row of an answer has beyond the interpolation. @returns how far apart
@@ -140,8 +141,7 @@ double BranchTraversal::length2(std::span<const double> difference) const noexce
 /// Takes the branch of the cell that is nearest to the state of an answer, if it is nearer than
 /// `least`, squared.
 void BranchTraversal::enter_nearest(const std::array<double, 8>& weights,
-                                    std::span<const double> row, double least,
-                                    StepResult& result) noexcept {
+                                    std::span<const double> row, double least) noexcept {
   find_candidates();
   const Branch* found = nullptr;
   for (const Branch& branch : candidates_) {
@@ -152,24 +152,21 @@ void BranchTraversal::enter_nearest(const std::array<double, 8>& weights,
     least = far;
     found = &branch;
   }
-  if (!found) return;
-  if (!result.corners_changed) result.nodes_before = nodes_;
-  enter_branch(base(), *found);
-  result.corners_changed = nodes_ != result.nodes_before;
+  if (found) enter_branch(walk_.base(), *found);
 }
 
 /// Each record in a corner of the cell names a branch.
 void BranchTraversal::find_candidates() noexcept {
-  if (!candidates_.empty() && candidates_base_ == base()) return;
+  if (!candidates_.empty() && candidates_base_ == walk_.base()) return;
   candidates_.clear();
-  candidates_base_ = base();
+  candidates_base_ = walk_.base();
   for (int k = 0; k < 8; ++k) {
-    if (!cells_.is_corner(k)) continue;
-    const PointIndex point = cells_.point(base(), k);
+    if (!walk_.cells().is_corner(k)) continue;
+    const PointIndex point = walk_.cells().point(walk_.base(), k);
     for (RecordIndex level = 0; level < grid_.levels(point); ++level) {
       Branch branch;
       if (candidates_.size() == kMostCandidates) return;
-      if (!derive(base(), grid_.first(point) + level, k, branch)) continue;
+      if (!derive(walk_.base(), grid_.first(point) + level, k, branch)) continue;
       const bool is_known =
           std::any_of(candidates_.begin(), candidates_.end(),
                       [&](const Branch& other) { return other.nodes == branch.nodes; });

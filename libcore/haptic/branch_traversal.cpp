@@ -52,43 +52,89 @@ struct BranchTraversal::Common {
 };
 
 BranchTraversal::BranchTraversal(const Grid& grid, std::shared_ptr<const BranchMap> map,
-                                 std::uint16_t max_sub_steps)
-    : Traversal(grid, max_sub_steps),
+                                 std::uint16_t most_parts)
+    : Traversal(grid, most_parts),
       map_(std::move(map)),
-      offset_(row_.size(), box_.spacing),
+      offset_(row_.size(), grid.box().spacing),
       missing_(row_.size()),
       expected_(row_.size()) {
   candidates_.reserve(kMostCandidates);
   for (BesideAnswer& answer : kept_) answer.row.resize(row_.size());
 }
 
-bool BranchTraversal::begin(int nearest, Level level) noexcept {
-  const PointIndex p = cells_.point(base(), nearest);
+const StepResult& BranchTraversal::start(const Vec3& hip, Level level) noexcept {
+  const std::optional<int> nearest = begin_start(hip);
+  if (!nearest) return step_;
+  const bool has_begun = take(*nearest, level, /*chosen=*/false);
+  if (has_begun) {
+    if (beside_) follow_model();
+    evaluate();
+  }
+  return end_start(has_begun);
+}
+
+const StepResult& BranchTraversal::step(const Vec3& hip, bool next) noexcept {
+  if (!has_started_) return start(hip, 0);
+  if (!begin_step(hip)) return step_;
+  while (const auto way = walk_.next()) {
+    if (way->q >= 0 && !cross(*way)) {
+      step_.blocked = true;
+      break;
+    }
+    offset_.fade(position(), way->to);
+    walk_.go(*way);
+    arrive();
+    // With a model beside the grid the decision waits for it, unless more cells follow.
+    if ((!beside_ || walk_.is_split()) && decide_by_grid()) note_snap();
+  }
+  if (!step_.blocked) {
+    if (next) {
+      const int corner = walk_.nearest_corner();
+      choose_next(corner, levels_[corner],
+                  [&](Level level) { return take(corner, level, /*chosen=*/true); });
+    }
+    if (beside_) follow_model();
+  }
+  evaluate();
+  return end_step();
+}
+
+/// The corner nearest to the HIP gets the level, and the others are of its branch. False when a
+/// link or the level is missing, or when the hand chose this level and its branch ends before
+/// position(): then nothing changes.
+bool BranchTraversal::take(int nearest, Level level, bool chosen) noexcept {
+  const PointIndex p = walk_.cells().point(walk_.base(), nearest);
   Branch branch;
-  if (level >= grid_.levels(p) || !derive(base(), grid_.first(p) + level, nearest, branch))
+  if (level >= grid_.levels(p) || !derive(walk_.base(), grid_.first(p) + level, nearest, branch))
     return false;
-  if (!last_step().started && has_ended(branch, corner_weights(part()))) return false;
-  enter_branch(base(), branch);
+  if (chosen && has_ended(branch, corner_weights(part()))) return false;
+  enter_branch(walk_.base(), branch);
   offset_.end();
-  StepResult ignored;
-  return move(position(), ignored);
+  arrive();
+  if (!beside_) decide_by_grid();  // of which nobody is told: the state jumps here in any case
+  return true;
+}
+
+void BranchTraversal::arrive() noexcept {
+  part_ = part();
+  weights_ = corner_weights(part_);
 }
 
 bool BranchTraversal::derive(PointIndex base, RecordIndex anchor, int corner,
                              Branch& branch) const noexcept {
-  branch.anchor = cells_.distinct(corner);
+  branch.anchor = walk_.cells().distinct(corner);
   branch.is_torn = false;
   branch.is_mixed = map_->nodes.is_mixed(anchor, branch.anchor);
   for (int k = 0; k < 8; ++k) {
-    const int q = kBetweenCorners[branch.anchor][cells_.distinct(k)];
-    branch.nodes[k] = q < 0 ? anchor : map_->nodes.node(anchor, q, cells_, base, k);
+    const int q = kBetweenCorners[branch.anchor][walk_.cells().distinct(k)];
+    branch.nodes[k] = q < 0 ? anchor : map_->nodes.node(anchor, q, walk_.cells(), base, k);
     if (branch.nodes[k] == BranchNodes::kNoNode) return false;
     branch.is_torn |= map_->nodes.is_ghost(branch.nodes[k]);
   }
   if (!branch.is_mixed) return true;
   std::array<Node, 8> corners = branch.nodes;
   for (int k = 0; k < 8; ++k)
-    if (!cells_.is_corner(k)) corners[k] = BranchNodes::kNoNode;
+    if (!walk_.cells().is_corner(k)) corners[k] = BranchNodes::kNoNode;
   branch.apart = map_->nodes.apart(corners);
   return true;
 }
@@ -109,7 +155,7 @@ void BranchTraversal::enter_branch(PointIndex base, const Branch& branch) noexce
       levels_[k] = kNoLevel;
     } else {
       records_[k] = nodes_[k];
-      levels_[k] = static_cast<Level>(nodes_[k] - grid_.first(cells_.point(base, k)));
+      levels_[k] = static_cast<Level>(nodes_[k] - grid_.first(walk_.cells().point(base, k)));
       const Level* const links = grid_.links(nodes_[k]).data();
       __builtin_prefetch(links);
       __builtin_prefetch(links + kDirections - 1);
@@ -118,10 +164,12 @@ void BranchTraversal::enter_branch(PointIndex base, const Branch& branch) noexce
   }
 }
 
-bool BranchTraversal::cross(int q, PointIndex base, const Vec3& y, StepResult& result) noexcept {
+/// Changes to the branch's corners in the next cell. False when a link is missing: then nothing
+/// changes.
+bool BranchTraversal::cross(const CellWalk::Part& way) noexcept {
   // The corners that both cells have. Along an axis of the move they are on the one side of the old
   // cell and on the other side of the new one.
-  const auto d = Direction(q).step();
+  const auto d = Direction(way.q).step();
   Common common;
   for (int a = 0; a < 3; ++a) {
     common.moved |= (d[a] != 0) << a;
@@ -130,18 +178,23 @@ bool BranchTraversal::cross(int q, PointIndex base, const Vec3& y, StepResult& r
   // Around most records there is one branch: then any common corner will do, and nothing changes in
   // the others.
   const int beside = (anchor_ & ~common.moved) | (common.side & common.moved);
-  if (!is_torn_ && !is_mixed_ && map_->nodes.has_one_branch_around(nodes_[beside]))
-    return cross_within_branch(base, beside, common);
-
-  const Vec3 part = part_of_cell(nearest_in_cell(y));  // on the common face, edge or vertex
-  const int from = common_record(common, part);
-  if (from < 0) {
-    if (!cross_by_snap(base, beside, common)) return false;
-    result.snapped = result.level_changed = true;
+  if (!is_torn_ && !is_mixed_ && map_->nodes.has_one_branch_around(nodes_[beside])) {
+    if (!cross_within_branch(way.base, beside, common)) return false;
+    count_switch(way);
     return true;
   }
+  // On the common face, edge or vertex.
+  const Vec3 part = walk_.part_of_cell(walk_.nearest_in_cell(way.to));
+  const int from = common_record(common, part);
   Branch next;
-  if (!derive(base, nodes_[from], from ^ common.moved, next)) return false;
+  if (from < 0 ? !cross_by_snap(way.base, beside, common)
+               : !derive(way.base, nodes_[from], from ^ common.moved, next))
+    return false;
+  count_switch(way);
+  if (from < 0) {
+    note_snap();
+    return true;
+  }
   if (next.is_mixed) {
     std::array<Node, 8> kept;
     for (int k = 0; k < 8; ++k)
@@ -150,11 +203,11 @@ bool BranchTraversal::cross(int q, PointIndex base, const Vec3& y, StepResult& r
     Vec3 at = part;
     for (int a = 0; a < 3; ++a)
       if (d[a] != 0) at[a] = d[a] > 0 ? 0 : 1;
-    find_better(base, corner_weights(at), kept, next);
+    find_better(way.base, corner_weights(at), kept, next);
   }
   const std::array<const double*, 8> before = rows_;
   std::array<const double*, 8> after = before;
-  enter_branch(base, next);
+  enter_branch(way.base, next);
   for (int k = 0; k < 8; ++k)
     if (common.has(k)) after[k] = rows_[k ^ common.moved];
   if (after != before) keep_state(before, corner_weights(part), after);
@@ -168,12 +221,12 @@ bool BranchTraversal::cross_within_branch(PointIndex base, int from,
   const int at = from ^ common.moved;
   Branch next{.anchor = at, .nodes = nodes_};
   for (int k = 0; k < 8; ++k) {
-    const int corner = cells_.distinct(k);
+    const int corner = walk_.cells().distinct(k);
     if (common.has(corner ^ common.moved)) {
       next.nodes[k] = nodes_[corner ^ common.moved];
       continue;
     }
-    next.nodes[k] = cells_.destination(anchor, kBetweenCorners[at][corner], base, corner);
+    next.nodes[k] = walk_.cells().destination(anchor, kBetweenCorners[at][corner], base, corner);
     if (next.nodes[k] == Grid::kNoRecord) return false;
   }
   enter_branch(base, next);
@@ -184,7 +237,7 @@ bool BranchTraversal::cross_within_branch(PointIndex base, int from,
 /// @param to the corner of the old cell, common to both, to which it leads
 bool BranchTraversal::cross_by_snap(PointIndex base, int to, const Common& common) noexcept {
   const RecordIndex anchor =
-      cells_.destination(nodes_[anchor_], kBetweenCorners[anchor_][to], this->base(), to);
+      walk_.cells().destination(nodes_[anchor_], kBetweenCorners[anchor_][to], walk_.base(), to);
   Branch next;
   if (anchor == Grid::kNoRecord || !derive(base, anchor, to ^ common.moved, next)) return false;
   enter_branch(base, next);
@@ -204,7 +257,7 @@ int BranchTraversal::common_record(const Common& common, const Vec3& part) const
     nearest = distance2(part, k);
     from = k;
   }
-  return from < 0 ? from : cells_.distinct(from);
+  return from < 0 ? from : walk_.cells().distinct(from);
 }
 
 /// Where corners change without a snap: what the blend loses goes to the offset.
@@ -220,24 +273,13 @@ void BranchTraversal::keep_state(const std::array<const double*, 8>& before,
   }
 }
 
-bool BranchTraversal::move(const Vec3& x, StepResult& result) noexcept {
-  offset_.fade(position(), x);
-  part_ = part_of_cell(x);
-  weights_ = corner_weights(part_);
-  // With a model beside the grid the decision waits for settle(), unless more cells follow.
-  if (!beside_ || result.split) decide_by_grid(result);
-  return true;
-}
-
 /// @returns whether the state snapped
-bool BranchTraversal::decide_by_grid(StepResult& result) noexcept {
-  if (is_mixed_) change_anchor(result);
+bool BranchTraversal::decide_by_grid() noexcept {
+  if (is_mixed_) change_anchor();
   int snaps = 0;
   while (snaps < kMostSnaps && is_torn_ && tear(weights_) < 0 && snap(part_)) ++snaps;
-  if (snaps == 0) return false;
-  result.snapped = result.level_changed = true;
-  offset_.end();
-  return true;
+  if (snaps > 0) offset_.end();
+  return snaps > 0;
 }
 
 /// Whether the branch ends before the place with these weights.
@@ -273,7 +315,8 @@ bool BranchTraversal::find_better(PointIndex base, const std::array<double, 8>& 
   double least = cost(branch) - kBetter;
   bool found = false;
   for (int k = 0; k < 8 && least > 0; ++k) {
-    if (k == present || !cells_.is_corner(k) || map_->nodes.is_ghost(candidates[k])) continue;
+    if (k == present || !walk_.cells().is_corner(k) || map_->nodes.is_ghost(candidates[k]))
+      continue;
     Branch other;
     if (!derive(base, candidates[k], k, other) || !(cost(other) < least)) continue;
     // Ghosts agree with every branch, so one that has ended there would seem the best.
@@ -285,7 +328,7 @@ bool BranchTraversal::find_better(PointIndex base, const std::array<double, 8>& 
   return found;
 }
 
-void BranchTraversal::change_anchor(StepResult& result) noexcept {
+void BranchTraversal::change_anchor() noexcept {
   if (disagreement(apart_, weights_) <= kBetter) return;
   Branch next{anchor_, nodes_, is_torn_, is_mixed_, apart_};
   constexpr std::array<Node, 8> kAny = [] {
@@ -293,11 +336,9 @@ void BranchTraversal::change_anchor(StepResult& result) noexcept {
     any.fill(BranchNodes::kNoNode);
     return any;
   }();
-  if (!find_better(base(), weights_, kAny, next)) return;
+  if (!find_better(walk_.base(), weights_, kAny, next)) return;
   const std::array<const double*, 8> before = rows_;
-  if (!result.corners_changed) result.nodes_before = nodes_;
-  enter_branch(base(), next);
-  result.corners_changed = nodes_ != result.nodes_before;
+  enter_branch(walk_.base(), next);
   keep_state(before, weights_, rows_);
 }
 
@@ -307,11 +348,11 @@ bool BranchTraversal::snap(const Vec3& part) noexcept {
   int to = -1;
   RecordIndex anchor = Grid::kNoRecord;
   for (int k = 0; k < 8; ++k) {
-    if (map_->nodes.is_ghost(nodes_[k]) || !cells_.is_corner(k)) continue;
+    if (map_->nodes.is_ghost(nodes_[k]) || !walk_.cells().is_corner(k)) continue;
     for (int j = 0; j < 8; ++j) {
-      if (!map_->nodes.is_ghost(nodes_[j]) || !cells_.is_corner(j)) continue;
+      if (!map_->nodes.is_ghost(nodes_[j]) || !walk_.cells().is_corner(j)) continue;
       const int q = kBetweenCorners[k][j];
-      if (map_->nodes.node(nodes_[k], q, cells_, base(), j) != nodes_[j]) continue;
+      if (map_->nodes.node(nodes_[k], q, walk_.cells(), walk_.base(), j) != nodes_[j]) continue;
       const double t = tear_fraction(grid_, nodes_[k], q);
       double sum = 0;
       for (int a = 0; a < 3; ++a) {
@@ -322,12 +363,12 @@ bool BranchTraversal::snap(const Vec3& part) noexcept {
       if (sum >= nearest) continue;
       nearest = sum;
       to = j;
-      anchor = cells_.destination(nodes_[k], q, base(), j);
+      anchor = walk_.cells().destination(nodes_[k], q, walk_.base(), j);
     }
   }
   Branch next;
-  if (to < 0 || !derive(base(), anchor, to, next)) return false;
-  enter_branch(base(), next);
+  if (to < 0 || !derive(walk_.base(), anchor, to, next)) return false;
+  enter_branch(walk_.base(), next);
   return true;
 }
 

@@ -50,21 +50,19 @@ struct BranchMap {
 
 class BranchTraversal final : public Traversal {
  public:
-  /// @param map of the same grid. @throw Error as Traversal does
+  /// @param map of the same grid. @throw Error as CellWalk does
   BranchTraversal(const Grid& grid, std::shared_ptr<const BranchMap> map,
-                  std::uint16_t max_sub_steps = kDefaultMaxSubSteps);
+                  std::uint16_t most_parts = CellWalk::kDefaultMaxParts);
+  using Traversal::start;
+  using Traversal::step;
+  const StepResult& start(const Vec3& hip, Level level) noexcept override;
+  const StepResult& step(const Vec3& hip, bool next) noexcept override;
   void walk_beside(Beside* beside) override { beside_ = beside; }
   const BesideAnswer* followed() const override { return followed_; }
+  bool follows_as_before() const override { return follows_as_before_; }
   const BranchNodes* branch_nodes() const override { return &map_->nodes; }
 
  private:
-  /// The corner nearest to the HIP has the level, as in the paper's rule.
-  bool begin(int nearest, Level level) noexcept override;
-  bool cross(int q, PointIndex base, const Vec3& y, StepResult& result) noexcept override;
-  bool move(const Vec3& x, StepResult& result) noexcept override;
-  void settle(StepResult& result) noexcept override;
-  void evaluate() noexcept override;
-
   /// The corners that an anchor gives a cell.
   struct Branch {
     int anchor = 0;
@@ -74,27 +72,34 @@ class BranchTraversal final : public Traversal {
     std::array<std::uint8_t, 8> apart{};  // and which: BranchNodes::apart()
   };
   struct Common;
+  bool take(int nearest, Level level, bool chosen) noexcept;
+  bool cross(const CellWalk::Part& way) noexcept;
+  void arrive() noexcept;
+  void note_snap() noexcept { step_.snapped = step_.level_changed = true; }
+  void evaluate() noexcept;
   bool derive(PointIndex base, RecordIndex anchor, int corner, Branch& branch) const noexcept;
   void enter_branch(PointIndex base, const Branch& branch) noexcept;
   bool cross_within_branch(PointIndex base, int from, const Common& common) noexcept;
   bool cross_by_snap(PointIndex base, int to, const Common& common) noexcept;
   int common_record(const Common& common, const Vec3& part) const noexcept;
-  bool decide_by_grid(StepResult& result) noexcept;
+  bool decide_by_grid() noexcept;
   bool snap(const Vec3& part) noexcept;
   bool find_better(PointIndex base, const std::array<double, 8>& weights,
                    const std::array<RecordIndex, 8>& kept, Branch& branch) const noexcept;
-  void change_anchor(StepResult& result) noexcept;
-  void follow_newest(StepResult& result) noexcept;
-  void tell(const StepResult& result) noexcept;
-  void follow_grid(StepResult& result) noexcept;
-  void pass_over_older(const StepResult& result) noexcept;
+  void change_anchor() noexcept;
+  // With a model beside the grid (branch_beside.cpp).
+  void follow_model() noexcept;
+  void follow_newest() noexcept;
+  void follow_grid() noexcept;
+  void pass_over_older() noexcept;
+  void tell_model() noexcept;
   const BesideAnswer& keep_nearest(const BesideAnswer& newest) noexcept;
-  void follow(const BesideAnswer& answer, StepResult& result) noexcept;
+  void follow(const BesideAnswer& answer) noexcept;
   double find_missing(const std::array<const double*, 8>& rows,
                       const std::array<double, 8>& weights, std::span<const double> row) noexcept;
   double length2(std::span<const double> difference) const noexcept;
   void enter_nearest(const std::array<double, 8>& weights, std::span<const double> row,
-                     double least, StepResult& result) noexcept;
+                     double least) noexcept;
   void find_candidates() noexcept;
   bool has_ended(const Branch& branch, const std::array<double, 8>& weights) const noexcept;
   double tear(const std::array<double, 8>& weights) const noexcept;
@@ -114,7 +119,8 @@ class BranchTraversal final : public Traversal {
 
   Beside* beside_ = nullptr;
   const BesideAnswer* followed_ = nullptr;  // by the last step
-  std::uint64_t held_tick_ = 0;             // of the last answer that was followed
+  bool follows_as_before_ = false;
+  std::uint64_t held_tick_ = 0;  // of the last answer that was followed
   static constexpr std::size_t kKept = 16;
   std::array<BesideAnswer, kKept> kept_{};  // the last answers, a ring
   std::size_t last_kept_ = 0;

@@ -15,9 +15,14 @@ namespace hapgrid {
 class ModelTraversal final : public Traversal {
  public:
   /// @param steps_a_cell the model is asked at least so often on the way along one spacing; > 0
-  /// @throw Error as Traversal does
+  /// @throw Error as CellWalk does
   ModelTraversal(const Grid& grid, std::unique_ptr<Model> model, double steps_a_cell = 32,
-                 std::uint16_t max_sub_steps = kDefaultMaxSubSteps);
+                 std::uint16_t most_parts = CellWalk::kDefaultMaxParts);
+  using Traversal::start;
+  using Traversal::step;
+  const StepResult& start(const Vec3& hip, Level level) noexcept override;
+  /// `blocked` when a conversion fails: the state is held.
+  const StepResult& step(const Vec3& hip, bool next) noexcept override;
   /// The state that the model will have when the hand has gone straight on to x, in the box; this
   /// stays where it is. Real-time safe as far as the model.
   /// @param row spec().row_size() values. @returns false when a conversion fails
@@ -28,20 +33,14 @@ class ModelTraversal final : public Traversal {
   void abandon() noexcept { model_->abandon(); }
 
  private:
-  /// The level of the corner nearest to the HIP, and C from there to the HIP.
-  bool begin(int nearest, Level level) noexcept override;
-  /// The level whose state is nearest to the present one.
-  Level level_at(int corner) const noexcept override;
-  bool cross(int, PointIndex, const Vec3&, StepResult&) noexcept override { return true; }
-  /// `blocked`, by its return value, when a conversion fails: the state is held.
-  bool move(const Vec3& x, StepResult& result) noexcept override;
-  void evaluate() noexcept override {}
+  bool take(int nearest, Level level) noexcept;
+  Level level_at(int corner) const noexcept;
   bool follow(Vec3 from, const Vec3& to) noexcept;
 
   std::unique_ptr<Model> model_;
   double longest_;  // step, in the model's unit
   std::vector<double> next_;
-  std::vector<double> before_;
+  std::vector<double> before_row_;
 };
 
 }  // namespace hapgrid

@@ -94,10 +94,10 @@ Vec3 NodeForce::operator()(const Traversal& traversal) noexcept {
   const StepResult& step = traversal.last_step();
   const NodeCorners corners = corners_of(traversal.nodes());
   const bool jumps = step.jumped() || step.split;
-  offset_.fade(step.from, traversal.position());
+  offset_.fade(traversal.corners_before().from, traversal.position());
   if (jumps)
     offset_.end();
-  else if (step.corners_changed)
+  else if (traversal.corners_before().have_changed)
     keep_force(traversal, corners);
   follow(traversal, corners, jumps);
   Vec3 force = interpolate_(corners, traversal.part());
@@ -107,11 +107,11 @@ Vec3 NodeForce::operator()(const Traversal& traversal) noexcept {
 
 void NodeForce::follow(const Traversal& traversal, const NodeCorners& corners,
                        bool jumps) noexcept {
-  if (traversal.last_step().still_held && offset_.is_held()) return;
+  if (traversal.follows_as_before() && offset_.is_held()) return;
   const BesideAnswer* const answer = traversal.followed();
   if (!answer || !answer->force) return offset_.let_go();
   const Vec3 missing =
-      *answer->force - interpolate_(corners, traversal.part_beside_cell(answer->at));
+      *answer->force - interpolate_(corners, traversal.walk().part_beside_cell(answer->at));
   offset_.hold(missing, jumps);
 }
 
@@ -119,17 +119,17 @@ void NodeForce::follow(const Traversal& traversal, const NodeCorners& corners,
 /// where it was. Both are asked at one place, the one in both cells that is nearest to where the
 /// step began.
 void NodeForce::keep_force(const Traversal& traversal, const NodeCorners& corners) noexcept {
-  const StepResult& step = traversal.last_step();
-  Vec3 before = traversal.part_of_cell(step.from), after = before;
-  if (step.direction >= 0) {
-    const auto move = Direction(step.direction).step();
+  const CornersBefore& corners_before = traversal.corners_before();
+  Vec3 before = traversal.walk().part_of_cell(corners_before.from), after = before;
+  if (corners_before.direction >= 0) {
+    const auto move = Direction(corners_before.direction).step();
     for (int a = 0; a < 3; ++a) {
       if (move[a] == 0) continue;
       before[a] = move[a] > 0 ? 1 : 0;
       after[a] = move[a] > 0 ? 0 : 1;
     }
   }
-  const Vec3 had = interpolate_(corners_of(step.nodes_before), before);
+  const Vec3 had = interpolate_(corners_of(corners_before.nodes), before);
   const Vec3 has = interpolate_(corners, after);
   const std::span<double> offset = offset_.renew();
   for (std::size_t a = 0; a < 3; ++a) offset[a] = offset[a] + had[a] - has[a];

@@ -15,19 +15,19 @@ namespace hapgrid {
 
 class PaperTraversal final : public Traversal {
  public:
-  /// As Traversal's.
-  explicit PaperTraversal(const Grid& grid, std::uint16_t max_sub_steps = kDefaultMaxSubSteps)
-      : Traversal(grid, max_sub_steps) {}
+  /// As CellWalk's.
+  explicit PaperTraversal(const Grid& grid, std::uint16_t most_parts = CellWalk::kDefaultMaxParts)
+      : Traversal(grid, most_parts) {}
+  using Traversal::start;
+  using Traversal::step;
+  const StepResult& start(const Vec3& hip, Level level) noexcept override;
+  const StepResult& step(const Vec3& hip, bool next) noexcept override;
 
  private:
-  /// The corner nearest to the HIP (the lower one of two) gets the level, the other seven its
-  /// destination levels. Source: Sect. 2.4. Deviation: level 0 in all corners, as printed, can mix
-  /// branches.
-  bool begin(int nearest, Level level) noexcept override;
-  bool cross(int q, PointIndex base, const Vec3& y, StepResult& result) noexcept override;
-  bool move(const Vec3&, StepResult&) noexcept override { return true; }
-  void evaluate() noexcept override;
-  void set_corners(const Corners& corners) noexcept;
+  bool take(int nearest, Level level) noexcept;
+  bool cross(const CellWalk::Part& part) noexcept;
+  bool set_corners(PointIndex base, const std::array<RecordIndex, 8>& records) noexcept;
+  void evaluate() noexcept;
 
   std::array<const double*, 8> rows_{};
 };
