@@ -1,6 +1,6 @@
 // A cell with a current level in each of its corners, and the rule that gives a neighbouring cell
-// the levels of its corners (Sect. 2.4). The traversal of play uses these functions, and verify
-// uses the same ones to find every cell that play can meet.
+// the levels of its corners (Sect. 2.4). That rule, start() and cross(), is the paper's alone; both
+// traversals of a grid use the rest.
 #pragma once
 
 #include <array>
