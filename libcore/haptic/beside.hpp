@@ -54,8 +54,7 @@ class Beside {
  public:
   /// An answer that is older than this is not given.
   static constexpr double kOldestSeconds = 0.02;
-  /// The model is asked at least so often on the way along one spacing: as often as the reference
-  /// is (model_traversal.hpp), so that both come to the same states. Near the end of a branch, the
+  /// Steps for each grid spacing, as in ModelTraversal, so that both come to the same states. Near the end of a branch, the
   /// length of the steps can decide on which other one a large molecule ends.
   static constexpr double kStepsACell = 32;
 
