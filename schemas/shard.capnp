@@ -221,8 +221,7 @@ struct Footer {
   digestLow @2 :UInt64;
   digestHigh @3 :UInt64;
   # XXH3-128 (seed 0) of the digests, each as its low and its high word, little-endian, of the
-  # header's message and of each chunk's. So a chunk that a round does not touch is copied without
-  # being decoded.
+  # header's message and of each chunk's.
 }
 
 struct ChunkInfo {
@@ -245,7 +244,4 @@ struct ChunkInfo {
   digestLow @6 :UInt64;
   digestHigh @7 :UInt64;
   # XXH3-128 of the chunk's message.
-
-  stored @8 :UInt64;
-  # XXH3-64 of the chunk's zstd frame: what a copy checks instead of decoding.
 }

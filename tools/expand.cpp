@@ -13,6 +13,7 @@
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
 #include "libcore/base/format.hpp"
+#include "libcore/base/parallel.hpp"
 #include "libcore/search/complete.hpp"
 #include "libcore/search/levels.hpp"
 #include "libcore/search/tears.hpp"
@@ -194,7 +195,9 @@ int run(const Options& options) {
         format("goes on from generation {}, which {} keeps", *partial->kept(), partial->name()));
   try {
     const std::unique_ptr<ModelSource> source = model_source(spec, options.model);
-    Converter converter(*source, spec, options.threads, progress);
+    const unsigned threads =
+        options.threads > 0 ? options.threads : static_cast<unsigned>(all_threads());
+    Converter converter(*source, spec, threads, progress);
     const ProgressLine line(
         [&](double seconds) { return progress_text(progress, spec, options.complete, seconds); });
     if (options.complete)
@@ -242,9 +245,10 @@ int main(int argc, char** argv) {
                "Merge in memory and go on until nothing is left to do; write the finished grid. "
                "FILE.partial keeps a generation meanwhile, from which the same command goes on");
   app.add("-j,--threads", options.threads,
-          "Threads, each with a model (a plug-in or a process) of its own (1 to 1024)")
+          "Threads, each with a model (a plug-in or a process) of its own (0 to 1024); 0: one for "
+          "each processor that it may use")
       .type("N")
-      .whole(1, 1024)
+      .whole(0, 1024)
       .shows_default();
   app.add("--processes", options.processes,
           "Processes in place of threads, each with a model of its own, for a plug-in whose models "

@@ -38,7 +38,6 @@ std::uint32_t write_merged(const std::vector<std::string>& names, const Options&
   const auto model = judging_model(input.grid.header.spec, options.model_path);
   const SectionHeader header = input.merged_header();
   OutputFile out(options.output);
-  SectionWriter writer(out.fd(), out.name(), header);
   Progress progress;
   {
     const double all = static_cast<double>(input.grid.conversions());
@@ -48,7 +47,7 @@ std::uint32_t write_merged(const std::vector<std::string>& names, const Options&
                     short_number(done), short_number(all),
                     short_number(done / std::max(seconds, 1e-3)));
     });
-    merge(input, *model, writer, progress);
+    merge(input, *model, out.fd(), out.name(), progress);
   }
   out.commit();
   return header.generation;
@@ -74,8 +73,8 @@ int main(int argc, char** argv) {
       "Merges the requests of one whole generation into a grid: finds or stores each state that\n"
       "was reached, and settles the destination levels (Algorithm 1, lines 10 to 20). The grid\n"
       "and the requests come in any order and any number of shards; requests that are missing\n"
-      "are an error. A grid without frontier gets its tear fractions in the same way, which takes\n"
-      "memory for the whole grid; when it has them, or does not want them, it stays as it is."};
+      "are an error. A grid without frontier gets its tear fractions in the same way; when it has\n"
+      "them, or does not want them, it stays as it is. The whole grid is held in memory."};
   app.set_help("merge");
   add_inputs(app, options.shards,
              "The grid and all requests of its frontier, or all its tear fractions");

@@ -39,13 +39,11 @@ int main(int count, char** words) {
   hapgrid_device_force f;
   do {
     const int answer = next_force(&f);
-    double x, y, z, vx, vy, vz;
+    double x, y, z;
     if (dhdSetForce(-f.force[1], f.force[0], f.force[2], -1) < 0) return fail("cannot set a force");
-    if (dhdGetPosition(&x, &y, &z, -1) < 0 || dhdGetLinearVelocity(&vx, &vy, &vz, -1) < 0)
-      return fail("cannot read the position");
+    if (dhdGetPosition(&x, &y, &z, -1) < 0) return fail("cannot read the position");
     const hapgrid_device_state state = {.time = now(),
                                         .position = {y, -x, z},
-                                        .velocity = {vy, -vx, vz},
                                         .flags = flags_of(dhdGetButtonMask(-1)),
                                         .number = f.number};
     if (answer) say(&state, sizeof state);

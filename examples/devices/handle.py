@@ -12,7 +12,7 @@ import sys
 import time
 
 GREETING = struct.Struct("<8s2I8d48s")  # the layouts of <hapgrid/device.h>
-STATE, FORCE = struct.Struct("<7d2I"), struct.Struct("<3d2I")
+STATE, FORCE = struct.Struct("<4d2I"), struct.Struct("<3d2I")
 REACH, SILENCE, RELEASES, END = 0.05, 0.1, 1, 1  # m, s, two flags
 place, speed, now = [0.0] * 3, [0.0] * 3, time.monotonic()  # HERE
 
@@ -30,7 +30,7 @@ def move(force):  # HERE: applies the force in newtons; afterwards place and spe
 signal.signal(signal.SIGTERM, lambda *_: sys.exit(move((0, 0, 0))))
 if sys.argv[-1] == "--release":  # an adapter was killed: no force
     sys.exit(move((0, 0, 0)))
-os.write(1, GREETING.pack(b"hapgrid", 2, RELEASES, *[-REACH] * 3, *[REACH] * 3, 3.0, 1000.0, b"a handle on a spring"))
+os.write(1, GREETING.pack(b"hapgrid", 3, RELEASES, *[-REACH] * 3, *[REACH] * 3, 3.0, 1000.0, b"a handle on a spring"))
 while True:
     if not select.select([0], [], [], SILENCE)[0]:  # play is silent: no force
         move((0, 0, 0))
@@ -42,6 +42,6 @@ while True:
     *force, number, flags = FORCE.unpack(message or FORCE.pack(0, 0, 0, 0, END))  # play is gone: no force, and the end
     move(force)
     if number:
-        os.write(1, STATE.pack(time.monotonic(), *place, *speed, 0, number))
+        os.write(1, STATE.pack(time.monotonic(), *place, 0, number))
     if flags & END:  # HERE: the force was zero; close the device
         break

@@ -33,11 +33,11 @@ async def serve(service, device, end, wait):
             message = b""  # it is gone
         *force, number, flags = struct.unpack("<3d2I", message or struct.pack("<3d2I", 0, 0, 0, 0, END))
         world = await asyncio.wait_for(exchange(service, device, force), wait)
-        hand = [world["inverse3"][0]["state"][v][a] for v in ("cursor_position", "cursor_velocity") for a in "xyz"]
+        hand = [world["inverse3"][0]["state"]["cursor_position"][a] for a in "xyz"]
         grips = world.get("wireless_verse_grip") or world.get("verse_grip") or [{"state": {"buttons": {}}}]
         pressed = sum(bit for key, bit in (("a", 1), ("b", 8)) if grips[0]["state"]["buttons"].get(key))
         if number:
-            play.send(struct.pack("<7d2I", time.monotonic(), *hand, pressed, number))
+            play.send(struct.pack("<4d2I", time.monotonic(), *hand, pressed, number))
         if flags & END:
             return
     await exchange(service, device, (0, 0, 0))  # told to end
@@ -53,7 +53,7 @@ async def main(words):
             return await exchange(service, first["device_id"], (0, 0, 0))
         name, place = first["config"]["type"], [first["state"]["cursor_position"][a] for a in "xyz"]
         reach = 0.04 if name == "minverse" else 0.1
-        play.send(struct.pack("<8s2I8d48s", b"hapgrid", 2, RELEASES, *[x - reach for x in place],
+        play.send(struct.pack("<8s2I8d48s", b"hapgrid", 3, RELEASES, *[x - reach for x in place],
                               *[x + reach for x in place], 3, 1000, f"Haply {name}".encode()))
         await serve(service, first["device_id"], end, 1)
 

@@ -24,7 +24,7 @@ static struct {
 
 static HDCallbackCode HDCALLBACK serve(void* unused) {
   (void)unused;
-  HDdouble p[3], v[3], f[3];
+  HDdouble p[3], f[3];
   HDint buttons = 0;
   pthread_mutex_lock(&shared.mutex);
   memcpy(f, shared.force, sizeof f);
@@ -32,7 +32,6 @@ static HDCallbackCode HDCALLBACK serve(void* unused) {
   const HDdouble turned[3] = {f[0], f[2], -f[1]};
   hdBeginFrame(shared.device);
   hdGetDoublev(HD_CURRENT_POSITION, p);
-  hdGetDoublev(HD_CURRENT_VELOCITY, v);
   hdGetIntegerv(HD_CURRENT_BUTTONS, &buttons);
   hdSetDoublev(HD_CURRENT_FORCE, turned);
   hdEndFrame(shared.device);
@@ -40,7 +39,6 @@ static HDCallbackCode HDCALLBACK serve(void* unused) {
   pthread_mutex_lock(&shared.mutex);
   shared.state = (hapgrid_device_state){.time = now(),
                                         .position = {p[0] / 1000, -p[2] / 1000, p[1] / 1000},
-                                        .velocity = {v[0] / 1000, -v[2] / 1000, v[1] / 1000},
                                         .flags = flags_of((unsigned long)buttons)};
   if (HD_DEVICE_ERROR(error)) shared.error = error;
   ++shared.served;

@@ -13,7 +13,7 @@ namespace hapgrid {
 void begin_child(pid_t parent) noexcept {
   ::setpgid(0, 0);
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (::getppid() != parent) ::raise(SIGKILL);  // it died before prctl()
+  if (::getppid() != parent) ::kill(::getpid(), SIGKILL);  // it died before prctl()
 }
 
 std::string how_it_ended(int status) {

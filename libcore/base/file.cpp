@@ -10,6 +10,8 @@
 #include <cerrno>
 #include <cstdlib>
 #include <filesystem>
+#include <random>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -64,16 +66,23 @@ std::string rest_of(int fd, const std::string& name, std::uint64_t limit) {
 }
 
 /// A fresh file `directory`/.hapgrid.XXXXXX; sets `name`. None when errno says why it
-/// cannot be created.
-FileDescriptor named_temporary(const fs::path& directory, std::string& name) {
-  name = (directory / ".hapgrid.XXXXXX").string();
-  return FileDescriptor(::mkostemp(name.data(), O_CLOEXEC));
+/// cannot be created. @param mode as of open(): the kernel takes the umask away, which another
+/// thread could only read by changing it (mkostemp() would need that).
+FileDescriptor named_temporary(const fs::path& directory, std::string& name, mode_t mode) {
+  static constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyz0123456789";
+  std::random_device random;
+  for (int attempt = 0;; ++attempt) {
+    name = (directory / ".hapgrid.").string();
+    for (int i = 0; i < 6; ++i) name += kLetters[random() % kLetters.size()];
+    FileDescriptor file(::open(name.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, mode));
+    if (file || errno != EEXIST || attempt == 100) return file;
+  }
 }
 
 /// An unlinked file in `directory`, which is gone when it is closed. @throw std::system_error
 FileDescriptor unlinked_file(const fs::path& directory) {
   std::string name;
-  FileDescriptor file = named_temporary(directory, name);
+  FileDescriptor file = named_temporary(directory, name, 0600);
   if (!file) fail(format("{}: cannot create a file", directory.string()));
   ::unlink(name.c_str());
   return file;
@@ -197,14 +206,11 @@ OutputFile OutputFile::replacing(const std::string& name) {
 
 OutputFile OutputFile::temporary_of(const std::string& target, const std::string& shown_name) {
   std::string temporary;
-  OutputFile out(shown_name, named_temporary(fs::path(target).parent_path(), temporary));
+  OutputFile out(shown_name, named_temporary(fs::path(target).parent_path(), temporary, 0666));
   if (!out.owned_) fail(shown_name);
   out.target_ = target;
   out.temporary_ = std::make_unique<const std::string>(std::move(temporary));
   change_unfinished(nullptr, out.temporary_.get());
-  const mode_t mask = ::umask(0);
-  ::umask(mask);
-  if (::fchmod(out.fd_, 0666 & ~mask) != 0) fail(shown_name);
   return out;
 }
 
@@ -223,6 +229,11 @@ void OutputFile::commit() {
   }
   if (::fsync(owned_.get()) != 0 || ::rename(temporary_->c_str(), target_.c_str()) != 0)
     fail(shown_name_);
+  // The name must be on the disk before a file that this one makes needless is removed. The file
+  // is there, whatever a file system says that cannot do this.
+  const FileDescriptor folder(
+      ::open(fs::path(target_).parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (folder) ::fsync(folder.get());
   change_unfinished(temporary_.get(), nullptr);
   temporary_.reset();
   owned_ = FileDescriptor();

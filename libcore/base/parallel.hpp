@@ -6,16 +6,16 @@
 #include <cstddef>
 #include <cstdint>
 #include <future>
-#include <thread>
+#include <string>
 #include <utility>
 #include <vector>
 
 namespace hapgrid {
 
-/// As many as the machine has processors.
-inline int all_threads() {
-  return static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-}
+/// As many as this program may use processors: those that it may run on (taskset, Slurm), but no
+/// more than the quota of its control group, rounded up: in a container, time is all that is
+/// limited. @param root the folder of /proc and /sys, with a "/" at its end
+int all_threads(const std::string& root = "/");
 
 /// Calls work(i) once for each i in [0, count), in `threads` threads, in no particular order.
 /// @throw whatever `work` throws, when all threads have ended.

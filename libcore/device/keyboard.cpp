@@ -68,16 +68,18 @@ void KeyReader::read(unsigned char byte) {
       expect_ = Expect::kKey;
       break;
     case Expect::kSequence:
-      // Only the first parameter counts; modifiers after a ';' are ignored.
       if (byte >= '0' && byte <= '9') {
         if (parameter_ < 100) parameter_ = 10 * parameter_ + (byte - '0');
         return;
       }
       if (byte == ';') {
-        if (parameter_ < 1000) parameter_ *= 1000;  // at the first ';' only
+        expect_ = Expect::kModifiers;
         return;
       }
-      while (parameter_ >= 1000) parameter_ /= 1000;
+      expect_ = Expect::kKey;
+      return obey(byte, parameter_);
+    case Expect::kModifiers:  // which do not count
+      if ((byte >= '0' && byte <= '9') || byte == ';') return;
       expect_ = Expect::kKey;
       return obey(byte, parameter_);
     case Expect::kKey:

@@ -38,7 +38,7 @@ class KeyReader {
   bool quit_ = false;
   unsigned resets_ = 0;
   unsigned nexts_ = 0;
-  enum class Expect { kKey, kAfterEscape, kSequence } expect_ = Expect::kKey;
+  enum class Expect { kKey, kAfterEscape, kSequence, kModifiers } expect_ = Expect::kKey;
   int parameter_ = 0;
 };
 

@@ -43,7 +43,7 @@ bool is_confirmed(int wire, int process, Clock::time_point deadline) noexcept {
     const int polled = ::poll(ready, 2, milliseconds_until(deadline));
     if (polled < 0 && errno == EINTR) continue;
     if (polled <= 0) return false;
-    hapgrid_device_state state[2];  // what is too long shows
+    hapgrid_device_state state[2];  // one more, so that a longer message is noticed
     const ssize_t got = ::recv(wire, state, sizeof state, MSG_DONTWAIT | MSG_PEEK);
     // Why the adapter ends is for play to read, which may share the socket.
     constexpr std::string_view kError = HAPGRID_DEVICE_ERROR;

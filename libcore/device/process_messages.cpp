@@ -13,7 +13,7 @@
 namespace hapgrid {
 
 static_assert(std::endian::native == std::endian::little, "messages are sent as they are");
-static_assert(sizeof(hapgrid_device_greeting) == 128 && sizeof(hapgrid_device_state) == 64 &&
+static_assert(sizeof(hapgrid_device_greeting) == 128 && sizeof(hapgrid_device_state) == 40 &&
               sizeof(hapgrid_device_force) == 32);
 
 namespace {
@@ -81,8 +81,7 @@ StateFlaw state_flaw(const hapgrid_device_greeting& greeting, const hapgrid_devi
                      std::size_t size, std::uint32_t number, double time) noexcept {
   if (size != sizeof state) return StateFlaw::kSize;
   if (state.number != number) return StateFlaw::kNumber;
-  if (!std::isfinite(state.time) || !finite(state.position) || !finite(state.velocity))
-    return StateFlaw::kNotFinite;
+  if (!std::isfinite(state.time) || !finite(state.position)) return StateFlaw::kNotFinite;
   const double slack = reach(greeting) / 2;  // ranges are nominal
   for (int a = 0; a < 3; ++a)
     if (state.position[a] < greeting.low[a] - slack || state.position[a] > greeting.high[a] + slack)

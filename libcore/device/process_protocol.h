@@ -28,7 +28,7 @@ extern "C" {
 #endif
 
 #define HAPGRID_DEVICE_MAGIC "hapgrid"
-#define HAPGRID_DEVICE_VERSION 2
+#define HAPGRID_DEVICE_VERSION 3
 #define HAPGRID_DEVICE_ERROR "error: "
 
 /* Seconds. When one side hears nothing from the other for so long, it takes the force off the hand.
@@ -68,7 +68,6 @@ enum hapgrid_device_button {
 typedef struct hapgrid_device_state {
   double time;        /* when it was measured, s; never goes back, nor stands still for long */
   double position[3]; /* m, or the deflection */
-  double velocity[3]; /* m/s; 0 from a device that does not measure it */
   uint32_t flags;     /* enum hapgrid_device_button */
   uint32_t number;    /* of the force that it answers */
 } hapgrid_device_state;

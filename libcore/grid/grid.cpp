@@ -12,12 +12,7 @@ Grid::Grid(GridSpec spec, std::uint32_t generation)
       generation_(generation),
       row_size_(spec_.row_size()) {}
 
-Grid::Grid(GridSpec spec, std::uint32_t generation, const RecordColumns& columns)
-    : Grid([&] {
-        GridBuilder builder(std::move(spec), generation, !columns.tears.empty(), columns.size());
-        builder.add(0, {columns.point, columns.level, columns.generation, columns.rows,
-                        columns.links, columns.tears});
-        return builder.finish();
-      }()) {}
+Grid::Grid(GridSpec spec, std::uint32_t generation, RecordColumns columns)
+    : Grid(GridBuilder(std::move(spec), generation, std::move(columns)).finish()) {}
 
 }  // namespace hapgrid

@@ -10,19 +10,6 @@ namespace hapgrid {
 
 namespace {
 
-/// A header can claim any number of points in a few bytes. A finished grid has a record at each of
-/// them; a grid of more than 2^24 points must have a record at least at one in a thousand.
-void require_enough_records(const Box& box, std::uint64_t records) {
-  constexpr std::uint64_t kMostlyEmptyPoints = 1 << 24;
-  constexpr std::uint64_t kPointsARecord = 1024;
-  const std::uint64_t points = box.points();
-  if (points > kMostlyEmptyPoints && points / kPointsARecord > records)
-    throw FormatError(
-        format("grid: a box of {} points with {} records; more than {} points want a record in {} "
-               "of them",
-               points, records, kMostlyEmptyPoints, kPointsARecord));
-}
-
 /// Each point is in the box, points ascend, and the levels of a point are 0, 1, 2, ...
 void require_order(const GridSpec& spec, std::span<const PointIndex> point,
                    std::span<const Level> level) {
@@ -40,13 +27,38 @@ void require_order(const GridSpec& spec, std::span<const PointIndex> point,
   }
 }
 
+/// The columns of `count` records must have their shapes.
+void require_lengths(const RecordRun& run, std::size_t count, std::size_t row_size,
+                     bool has_tears) {
+  if (run.point.size() != count || run.level.size() != count || run.generation.size() != count ||
+      run.rows.size() != count * row_size || run.links.size() != count * kDirections ||
+      run.tears.size() != (has_tears ? count * kDirections : 0))
+    throw FormatError("grid: columns of different lengths");
+}
+
+RecordRun run_of(const RecordColumns& columns) {
+  return {columns.point, columns.level, columns.generation,
+          columns.rows,  columns.links, columns.tears};
+}
+
 }  // namespace
+
+void require_possible(const Box& box, std::uint64_t records) {
+  constexpr std::uint64_t kMostlyEmptyPoints = 1 << 24;
+  constexpr std::uint64_t kPointsARecord = 1024;
+  if (records >= Grid::kNoRecord) throw FormatError("grid: more than 4294967294 records");
+  const std::uint64_t points = box.points();
+  if (points > kMostlyEmptyPoints && points / kPointsARecord > records)
+    throw FormatError(
+        format("grid: a box of {} points with {} records; more than {} points want a record in {} "
+               "of them",
+               points, records, kMostlyEmptyPoints, kPointsARecord));
+}
 
 GridBuilder::GridBuilder(GridSpec spec, std::uint32_t generation, bool has_tears,
                          std::uint64_t records)
     : grid_(std::move(spec), generation) {
-  if (records >= Grid::kNoRecord) throw FormatError("grid: more than 4294967294 records");
-  require_enough_records(grid_.box(), records);
+  require_possible(grid_.box(), records);
   grid_.has_tears_ = has_tears;
   grid_.point_.resize(records);
   grid_.generation_of_.resize(records);
@@ -55,23 +67,38 @@ GridBuilder::GridBuilder(GridSpec spec, std::uint32_t generation, bool has_tears
   level_.resize(records);
 }
 
+GridBuilder::GridBuilder(GridSpec spec, std::uint32_t generation, RecordColumns columns)
+    : grid_(std::move(spec), generation) {
+  require_possible(grid_.box(), columns.size());
+  grid_.has_tears_ = !columns.tears.empty();
+  require_lengths(run_of(columns), columns.size(), grid_.row_size_, grid_.has_tears_);
+  grid_.links_of_.resize(columns.size());
+  grid_.point_ = std::move(columns.point);
+  grid_.generation_of_ = std::move(columns.generation);
+  grid_.rows_ = std::move(columns.rows);
+  level_ = std::move(columns.level);
+  add_links(0, level_.size(), columns.links.data(), columns.tears.data());
+}
+
 void GridBuilder::add(std::uint64_t first, const RecordRun& run) {
   const std::size_t count = run.point.size();
-  const bool has_tears = grid_.has_tears_;
-  if (first > level_.size() || count > level_.size() - first || run.level.size() != count ||
-      run.generation.size() != count || run.rows.size() != count * grid_.row_size_ ||
-      run.links.size() != count * kDirections ||
-      run.tears.size() != (has_tears ? count * kDirections : 0))
-    throw FormatError("grid: columns of different lengths");
+  if (first > level_.size() || count > level_.size() - first)
+    throw FormatError("grid: more records than were announced");
+  require_lengths(run, count, grid_.row_size_, grid_.has_tears_);
   std::copy(run.point.begin(), run.point.end(), grid_.point_.data() + first);
   std::copy(run.level.begin(), run.level.end(), level_.data() + first);
   std::copy(run.generation.begin(), run.generation.end(), grid_.generation_of_.data() + first);
   std::copy(run.rows.begin(), run.rows.end(), grid_.rows_.data() + first * grid_.row_size_);
+  add_links(first, count, run.links.data(), run.tears.data());
+}
+
+void GridBuilder::add_links(std::uint64_t first, std::size_t count, const Level* links,
+                            const TearByte* all_tears) {
   DirectionMask inside_before = 0;
   for (std::size_t r = 0; r < count; ++r) {
-    const Level* const levels = &run.links[r * kDirections];
-    const TearByte* const tears = has_tears ? &run.tears[r * kDirections] : nullptr;
-    const DirectionMask inside = grid_.neighbourhood_.inside(run.point[r]);
+    const Level* const levels = links + r * kDirections;
+    const TearByte* const tears = grid_.has_tears_ ? all_tears + r * kDirections : nullptr;
+    const DirectionMask inside = grid_.neighbourhood_.inside(grid_.point_[first + r]);
     const bool is_as_before =
         r > 0 && inside == inside_before &&
         std::equal(levels, levels + kDirections, levels - kDirections) &&
@@ -80,9 +107,9 @@ void GridBuilder::add(std::uint64_t first, const RecordRun& run) {
     if (is_as_before) {
       number = grid_.links_of_[first + r - 1];
     } else {
-      const Links links = make_links(levels, tears, inside);
+      const Links made = make_links(levels, tears, inside);
       const std::lock_guard lock(mutex_);
-      number = grid_.table_.add(links);
+      number = grid_.table_.add(made);
     }
     inside_before = inside;
   }

@@ -18,11 +18,19 @@ struct RecordRun {
   std::span<const TearByte> tears;  ///< or empty
 };
 
+/// The one rule for how many records a box has, before memory is taken for its points: a header can
+/// claim any number of these in a few bytes. A grid of more than 2^24 points must have a record at
+/// least at one in a thousand; a finished grid has one at each.
+/// @throw FormatError when there are too few records, or too many for a RecordIndex
+void require_possible(const Box& box, std::uint64_t records);
+
 /// Checks what makes access to the grid safe (Grid).
 class GridBuilder {
  public:
   /// @param generation the round that wrote the grid. @param records how many there will be.
   GridBuilder(GridSpec spec, std::uint32_t generation, bool has_tears, std::uint64_t records);
+  /// Takes all records, without another copy of their rows. @throw FormatError as add()
+  GridBuilder(GridSpec spec, std::uint32_t generation, RecordColumns columns);
 
   /// Sets the records from record `first` on. Runs come in any order, and several threads may add
   /// different runs at once. @throw FormatError when a run does not fit the grid.
@@ -32,6 +40,9 @@ class GridBuilder {
   Grid finish();
 
  private:
+  /// Sets the links of `count` records from record `first` on, whose points are set.
+  void add_links(std::uint64_t first, std::size_t count, const Level* links, const TearByte* tears);
+
   Grid grid_;
   std::vector<Level> level_;  // by record, to be checked
   std::uint64_t added_ = 0;   // records

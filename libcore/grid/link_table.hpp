@@ -15,7 +15,7 @@ namespace hapgrid {
 struct alignas(64) Links {
   std::array<Level, kDirections> level;    ///< the destination level in each direction
   std::array<TearByte, kDirections> tear;  ///< kNoTear in all directions of a grid without any
-  /// The directions that stay in the box and have a level that can be.
+  /// Directions whose link may lead to a record.
   DirectionMask usable = 0;
 
   friend bool operator==(const Links&, const Links&) = default;

@@ -21,7 +21,7 @@ constexpr double kLooksATick = 4;
 constexpr double kShortestPauseSeconds = 5e-5;
 // Of the way ahead, in spacings: a hand that moves so far until an answer comes is too fast for it.
 constexpr double kFarthest = 0.5;
-// Of one component, for its weight: small, so that the model is linear.
+// Step of the numerical derivative of the distance, in the component's unit.
 constexpr double kChange = 1e-3;
 
 BesideAnswer empty_answer(const Grid& grid) {

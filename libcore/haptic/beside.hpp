@@ -50,9 +50,9 @@ struct BesideAnswer {
 /// in each tick; they never wait for the other thread, and are real-time safe when there is one.
 class Beside {
  public:
-  /// The model is asked at least so often on the way along one spacing: as often as the reference
-  /// is (model_traversal.hpp), so that both come to the same states. Near the end of a branch, the
-  /// length of the steps can decide on which other one a large molecule ends.
+  /// Steps for each grid spacing, as in ModelTraversal, so that both come to the same states. Near
+  /// the end of a branch, the length of the steps can decide on which other one a large molecule
+  /// ends.
   static constexpr double kStepsACell = 32;
 
   /// @param grid outlives this. @param model of this grid

@@ -93,7 +93,7 @@ const BesideAnswer& BranchTraversal::keep_nearest(const BesideAnswer& newest) no
 void BranchTraversal::follow(const BesideAnswer& answer) noexcept {
   const std::array<double, 8> weights = corner_weights(walk_.part_beside_cell(answer.at));
   const double tolerance = grid_.spec().tolerance;
-  const double present = find_missing(rows_, weights, answer.row);
+  const double present = find_missing(rows_, weights, answer.row, missing_);
   double jump = 0;  // from the interpolated state and the offset, which play expects at this place
   if (offset_.is_held()) {
     std::fill(expected_.begin(), expected_.end(), 0.0);
@@ -104,7 +104,7 @@ void BranchTraversal::follow(const BesideAnswer& answer) noexcept {
   if (present > kSame * kSame * tolerance * tolerance) {
     const std::array<Node, 8> before = nodes_;
     enter_nearest(weights, answer.row, kNearer * present);
-    const double left = find_missing(rows_, weights, answer.row);
+    const double left = find_missing(rows_, weights, answer.row, missing_);
     if (nodes_ != before && jump > tolerance * tolerance && left < kFarNearer * jump) {
       note_snap();
       trusted_from_ = answer.tick;  // those before are of the branch before
@@ -114,17 +114,19 @@ void BranchTraversal::follow(const BesideAnswer& answer) noexcept {
   offset_.hold(missing_, step_.jumped());
 }
 
-/// Sets missing_ to what the row of an answer has beyond the interpolation. @returns how far apart
-/// both states are, in the unit of the tolerance, squared
+/// Sets `missing` to what the row of an answer has beyond the interpolation: of all its numbers, or
+/// of the first ones, at least those of the state. @returns how far apart both states are, in the
+/// unit of the tolerance, squared
 double BranchTraversal::find_missing(const std::array<const double*, 8>& rows,
                                      const std::array<double, 8>& weights,
-                                     std::span<const double> row) noexcept {
+                                     std::span<const double> row,
+                                     std::span<double> missing) noexcept {
   const Equality& equality = grid_.spec().equality;
-  blend(weights, rows, missing_);
-  blend_angles(equality, weights, rows, missing_);
-  for (std::size_t c = 0; c < missing_.size(); ++c)
-    missing_[c] = nearest(equality, c, row[c], missing_[c]) - missing_[c];
-  return length2(missing_);
+  blend(weights, rows, missing);
+  blend_angles(equality, weights, rows, missing);
+  for (std::size_t c = 0; c < missing.size(); ++c)
+    missing[c] = nearest(equality, c, row[c], missing[c]) - missing[c];
+  return length2(missing);
 }
 
 /// Of a difference of two states, in the unit of the tolerance, squared.
@@ -147,7 +149,8 @@ void BranchTraversal::enter_nearest(const std::array<double, 8>& weights,
   for (const Branch& branch : candidates_) {
     std::array<const double*, 8> rows;
     for (int k = 0; k < 8; ++k) rows[k] = map_->nodes.row(branch.nodes[k]);
-    const double far = find_missing(rows, weights, row);
+    const double far =
+        find_missing(rows, weights, row, std::span(missing_).first(grid_.state_size()));
     if (far >= least) continue;
     least = far;
     found = &branch;

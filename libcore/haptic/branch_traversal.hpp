@@ -96,7 +96,8 @@ class BranchTraversal final : public Traversal {
   const BesideAnswer& keep_nearest(const BesideAnswer& newest) noexcept;
   void follow(const BesideAnswer& answer) noexcept;
   double find_missing(const std::array<const double*, 8>& rows,
-                      const std::array<double, 8>& weights, std::span<const double> row) noexcept;
+                      const std::array<double, 8>& weights, std::span<const double> row,
+                      std::span<double> missing) noexcept;
   double length2(std::span<const double> difference) const noexcept;
   void enter_nearest(const std::array<double, 8>& weights, std::span<const double> row,
                      double least) noexcept;

@@ -43,8 +43,9 @@ struct Pipe {
   }
 };
 
-/// What the child does between fork and exec, where only calls that are safe in a signal handler
-/// are allowed. Writes errno to `failed` when it cannot become the program.
+/// What the child does between vfork and exec, where only calls that are safe in a signal handler
+/// are allowed, and all memory is this program's. Writes errno to `failed` when it cannot become
+/// the program.
 [[noreturn]] void become(const char* file, char* const* arguments, const char* directory,
                          const int (&streams)[kStandardStreams], int failed, pid_t parent) {
   begin_child(parent);
@@ -59,19 +60,20 @@ struct Pipe {
   if (is_ready) ::execv(file, arguments);
   const int error = errno;
   (void)!::write(failed, &error, sizeof error);
-  ::raise(SIGKILL);
+  ::kill(::getpid(), SIGKILL);  // not raise(), whose thread may be the one that waits
   for (;;) ::pause();
 }
 
-Child fork_child(const std::string& file, std::vector<std::string> words,
-                 const std::string& directory) {
+Child start_child(const std::string& file, std::vector<std::string> words,
+                  const std::string& directory) {
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   Pipe input, output, errors, failed;
   const int streams[] = {input.read.get(), output.write.get(), errors.write.get()};
   const pid_t parent = ::getpid();
-  const pid_t pid = ::fork();
+  // fork() would copy the tables of all memory, which play has locked: its loop would have to wait.
+  const pid_t pid = ::vfork();
   if (pid < 0) fail_by_errno();
   if (pid == 0)
     become(file.c_str(), arguments.data(), directory.c_str(), streams, failed.write.get(), parent);
@@ -98,7 +100,7 @@ Launcher::Launcher() : thread_([this](const std::stop_token& stop) { run(stop); 
 
 Child Launcher::start(const std::string& file, const std::vector<std::string>& words,
                       const std::string& directory) {
-  std::packaged_task<Child()> task([&] { return fork_child(file, words, directory); });
+  std::packaged_task<Child()> task([&] { return start_child(file, words, directory); });
   std::future<Child> child = task.get_future();
   {
     const std::lock_guard lock(mutex_);

@@ -1,8 +1,8 @@
 // Starts child processes, each in a process group of its own.
 //
 // The kernel kills a child when this program ends, however it ends (PR_SET_PDEATHSIG). To the
-// kernel the parent of a child is the thread that forked it, not the program. So a launcher has a
-// thread that forks all its children and lives longer than they do.
+// kernel the parent of a child is the thread that started it, not the program. So a launcher has a
+// thread that starts all its children and lives longer than they do.
 #pragma once
 
 #include <sys/types.h>

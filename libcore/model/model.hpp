@@ -83,8 +83,8 @@ class Model {
   const std::string& error() const { return error_; }
   /// Tells the model that no question follows: a process can then end while others still work.
   virtual void hang_up() {}
-  /// Any thread may call it: what the model is asked now and later fails within 0.1 s, if it is a
-  /// process, however long it would think.
+  /// Makes the current and all later questions to a process fail within 0.1 s. May be called by any
+  /// thread.
   virtual void abandon() noexcept {}
 
   /// The tolerance function. Real-time safe.

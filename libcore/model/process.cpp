@@ -39,7 +39,7 @@ constexpr auto kEndingGrace = 1s;              // from the end of its output to 
   throw std::system_error(errno, std::generic_category(), what);
 }
 
-/// The file to execute. It is looked up here because hardly any call is allowed between fork and
+/// The file to execute. It is looked up here because hardly any call is allowed between vfork and
 /// exec.
 fs::path find_program(const Command& command) {
   const std::string& program = command.words.at(0);

@@ -13,6 +13,7 @@
 #include <chrono>
 #include <deque>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include "libcore/base/error.hpp"
@@ -92,6 +93,18 @@ ChildProcess::Event pump(ProcessGroup& group, ChildProcess& child,
   }
 }
 
+/// What the system refused, and what its user can do: each thread has a process, and each process
+/// has three pipes. To ask again would not help.
+LastingError refusal(const Command& command, const std::system_error& e) {
+  std::string why = e.code().message();
+  if (e.code() == std::errc::too_many_files_open)
+    why += "; have fewer (-j), or raise the limit (ulimit -n)";
+  if (e.code() == std::errc::resource_unavailable_try_again)
+    why += "; have fewer (-j), or raise the limit (ulimit -u)";
+  return LastingError(
+      format("process '{}' cannot be started: {}", command_text(command.words), why));
+}
+
 /// Waits for the first line of a process. @throw Error
 ModelInfo hear_first_line(ProcessGroup& group, ChildProcess& child) {
   const double seconds =
@@ -131,6 +144,8 @@ std::unique_ptr<ChildProcess> start(ProcessGroup& group) {
   } catch (const Error& e) {
     if (child) child->kill();
     throw ModelError(who(group, e.what()));
+  } catch (const std::system_error& e) {
+    throw refusal(group.command, e);
   }
 }
 
@@ -299,6 +314,9 @@ ProcessModel::Fault ProcessModel::listen(const QuestionDone& done) {
     child_->kill();
     child_.reset();
     return {who(*group_, e.what()), dynamic_cast<const LastingError*>(&e) != nullptr};
+  } catch (const std::system_error& e) {
+    child_.reset();
+    return {who(*group_, e.what()), true};
   }
 }
 
@@ -376,6 +394,8 @@ std::unique_ptr<Model> ProcessSource::create(const std::vector<Parameter>& param
     return std::make_unique<ProcessModel>(group_, std::move(first));
   } catch (const ModelError& e) {
     throw ModelError(format("model {}: {}", name_, e.what()));
+  } catch (const std::system_error& e) {
+    throw ModelError(format("model {}: {}", name_, refusal({command_, directory_}, e).what()));
   }
 }
 

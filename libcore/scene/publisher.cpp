@@ -57,14 +57,10 @@ FramePublisher::FramePublisher(OutputFile output, const Scene& scene, std::size_
     write(encoder_.encode(scene_), stopped_);
     return;
   }
+  std::packaged_task<void(std::stop_token)> task([this](const std::stop_token& t) { run(t); });
+  ended_ = task.get_future();
   const BlockedSignals blocked;
-  slow_ = std::jthread([this](const std::stop_token& token) {
-    try {
-      run(token);
-    } catch (...) {
-      failure_ = std::current_exception();
-    }
-  });
+  slow_ = std::jthread(std::move(task));
 }
 
 void FramePublisher::publish() {
@@ -76,17 +72,27 @@ void FramePublisher::publish() {
   if (left_) return;
   due_ = (buffer_.back().tick / ticks_per_frame_ + 1) * ticks_per_frame_;
   buffer_.publish();
-  write_newest(stopped_);
+  std::unique_lock lock(mutex_);
+  write_newest(stopped_, lock);
 }
 
 FrameCounts FramePublisher::finish() {
   if (paced_) {
     slow_.request_stop();
-    slow_.join();
-    if (failure_) std::rethrow_exception(failure_);
+    if (ended_.wait_for(kLinger) != std::future_status::ready) {
+      const std::lock_guard lock(mutex_);  // it still writes, or it is in complete_
+      counts_.lacking = open();
+    }
+    if (counts_.lacking) {
+      slow_.detach();
+    } else {
+      slow_.join();
+      ended_.get();
+    }
   } else if (left_) {
     buffer_.publish();
-    write_newest(stopped_);
+    std::unique_lock lock(mutex_);
+    write_newest(stopped_, lock);
   }
   output_.commit();
   return counts_;
@@ -101,16 +107,19 @@ void FramePublisher::run(const std::stop_token& token) {
     if (!patience) patience = Clock::now() + kLinger;
     return Clock::now() >= *patience;
   };
+  std::unique_lock lock(mutex_);
   write(encoder_.encode(scene_), give_up);
   for (std::uint64_t due = 0;;) {
     const bool last = token.stop_requested();  // asked first: then nothing newer can come
     const bool was_open = open();
-    write_newest(give_up);
+    write_newest(give_up, lock);
     const auto late = static_cast<std::uint64_t>((Clock::now() - start) / kPeriod);
     if (was_open && late > due) counts_.dropped += late - due;
     if (last || !open()) return;
     due = std::max(due, late) + 1;
+    lock.unlock();
     std::this_thread::sleep_until(start + due * kPeriod);
+    lock.lock();
   }
 }
 
@@ -141,11 +150,13 @@ bool FramePublisher::write(std::span<const std::byte> message, const GiveUp& giv
 }
 
 /// Completes and writes the newest snapshot, if there is a new one.
-void FramePublisher::write_newest(const GiveUp& give_up) {
+void FramePublisher::write_newest(const GiveUp& give_up, std::unique_lock<std::mutex>& lock) {
   if (!open() || !buffer_.update()) return;
   static_cast<Snapshot&>(frame_) = buffer_.front();  // vectors keep their sizes: no allocation
+  lock.unlock();
   complete_(frame_);
-  if (write(encoder_.encode(frame_, scene_.state_size), give_up)) ++counts_.written;
+  lock.lock();
+  if (open() && write(encoder_.encode(frame_, scene_.state_size), give_up)) ++counts_.written;
 }
 
 }  // namespace hapgrid

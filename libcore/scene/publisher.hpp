@@ -11,8 +11,9 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <exception>
 #include <functional>
+#include <future>
+#include <mutex>
 #include <span>
 #include <thread>
 
@@ -29,6 +30,7 @@ struct FrameCounts {
   std::uint64_t dropped = 0;  ///< due while the viewer or the slow thread was late
   bool closed = false;        ///< the viewer closed the pipe; nothing was written after that
   bool cut = false;           ///< the viewer stopped reading; the last message is cut
+  bool lacking = false;       ///< `complete` did not return in time for the last frame
 };
 
 class FramePublisher {
@@ -56,7 +58,8 @@ class FramePublisher {
   void publish();
 
   /// Called after the last tick, which becomes the last frame. Waits at most a second for a slow
-  /// viewer.
+  /// viewer, and for `complete`. Where that does not return (FrameCounts::lacking), the slow thread
+  /// is left behind: this object, and what `complete` uses, must then never be destroyed.
   /// @throw std::system_error, also what the slow thread threw
   FrameCounts finish();
 
@@ -68,9 +71,9 @@ class FramePublisher {
   /// reads no more, `give_up` is asked several times a second whether to leave the message cut
   /// (counts_.cut), so that nothing may be written behind it. @return whether all was written
   bool write(std::span<const std::byte> message, const GiveUp& give_up);
-  void write_newest(const GiveUp& give_up);
+  void write_newest(const GiveUp& give_up, std::unique_lock<std::mutex>& lock);
   /// Whether more can be written to the file.
-  bool open() const { return !counts_.closed && !counts_.cut; }
+  bool open() const { return !counts_.closed && !counts_.cut && !counts_.lacking; }
 
   OutputFile output_;      // a file, or a viewer behind a pipe: slow, asleep or dead
   std::size_t piece_ = 0;  // bytes that can be written without waiting, once poll() has said so
@@ -80,15 +83,17 @@ class FramePublisher {
   const std::uint64_t ticks_per_frame_;  // without a pace
   const GiveUp stopped_;
   TripleBuffer<Snapshot> buffer_;
-  // While the slow thread runs, the members from here on belong to it.
+  // While the slow thread runs, the members from here on belong to it. It holds the mutex, but
+  // while it sleeps and in complete_.
+  std::mutex mutex_;
   SceneEncoder encoder_;
   Frame frame_;
   FrameCounts counts_;
-  std::exception_ptr failure_;
   // Without a pace.
-  std::uint64_t due_ = 0;  // the tick from which on the next frame is due
-  bool left_ = false;      // the snapshot is no frame yet
-  std::jthread slow_;      // declared last: ends before what it uses
+  std::uint64_t due_ = 0;    // the tick from which on the next frame is due
+  bool left_ = false;        // the snapshot is no frame yet
+  std::future<void> ended_;  // the slow thread
+  std::jthread slow_;        // declared last: ends before what it uses
 };
 
 }  // namespace hapgrid

@@ -4,39 +4,33 @@
 #include <bit>
 
 #include "libcore/base/format.hpp"
-#include "libcore/grid/grid_builder.hpp"
 #include "libcore/search/expand.hpp"
 #include "libcore/search/levels.hpp"
 #include "libcore/search/merge.hpp"
 #include "libcore/search/tears.hpp"
-#include "libcore/shard/reader.hpp"
 
 namespace hapgrid {
 
 namespace {
 
-using Frontier = std::vector<Levels::Stored>;
-
-/// Appends a grid; answers its frontier.
-Frontier load(const Section& grid, Levels& levels) {
-  Frontier frontier;
-  SectionReader reader(grid);
-  RecordRows rows;
-  for (std::size_t i = 0; i < grid.footer.chunks.size(); ++i) {
-    reader.read(i, rows);
-    levels.append(rows);
-    for (std::size_t r = 0; r < rows.size(); ++r)
-      if (rows.generation[r] == grid.header.generation)
-        frontier.push_back({rows.point[r], rows.level[r]});
-  }
+/// The records from number `from` on that are of a generation, ascending by (point, level).
+std::vector<RecordIndex> frontier_of(const Levels& levels, RecordIndex from,
+                                     std::uint32_t generation) {
+  std::vector<RecordIndex> frontier;
+  for (RecordIndex r = from; r < levels.records(); ++r)
+    if (levels.generation(r) == generation) frontier.push_back(r);
+  std::sort(frontier.begin(), frontier.end(), [&](RecordIndex a, RecordIndex b) {
+    return record_key(levels.point(a), levels.level(a)) <
+           record_key(levels.point(b), levels.level(b));
+  });
   return frontier;
 }
 
-void show(const Frontier& frontier, const Neighbourhood& neighbourhood, const Levels& levels,
-          std::uint32_t generation, Progress& progress) {
+void show(const std::vector<RecordIndex>& frontier, const Neighbourhood& neighbourhood,
+          const Levels& levels, std::uint32_t generation, Progress& progress) {
   std::uint64_t conversions = 0;
-  for (const auto& [point, level] : frontier)
-    conversions += static_cast<std::uint64_t>(std::popcount(neighbourhood.inside(point)));
+  for (const RecordIndex r : frontier)
+    conversions += static_cast<std::uint64_t>(std::popcount(neighbourhood.inside(levels.point(r))));
   progress.generation = generation;
   progress.frontier_records = frontier.size();
   progress.frontier_done = 0;
@@ -44,55 +38,32 @@ void show(const Frontier& frontier, const Neighbourhood& neighbourhood, const Le
   progress.records = levels.records();
 }
 
-/// Moves the records out of `levels` into a grid.
-Grid move_into_grid(const SectionHeader& header, Levels& levels) {
-  GridBuilder grid(header.spec, header.generation, /*has_tears=*/false, levels.records());
-  std::uint64_t added = 0;
-  for (std::uint64_t b = 0; b < levels.blocks(); ++b) {
-    levels.visit(b, [&](const RecordRows& rows, std::size_t begin, std::size_t end) {
-      const auto run = [&](const auto& in, std::size_t each) {
-        return in.subspan(begin * each, (end - begin) * each);
-      };
-      grid.add(added, {run(rows.point, 1),
-                       run(rows.level, 1),
-                       run(rows.generation, 1),
-                       run(rows.numbers, rows.width),
-                       run(rows.links, kDirections),
-                       {}});
-      added += end - begin;
-    });
-    levels.release(b);
-  }
-  return grid.finish();
-}
-
 /// Rounds in memory until the frontier is empty. Counts generations in `header`.
-void run_rounds(SectionHeader& header, Levels& levels, Frontier frontier, Converter& converter,
-                Progress& progress, PartialGrid* partial) {
+void run_rounds(SectionHeader& header, Levels& levels, Converter& converter, Progress& progress,
+                PartialGrid* partial) {
   const Neighbourhood neighbourhood(header.spec.box);
   const std::size_t width = header.spec.row_size();
+  std::vector<RecordIndex> frontier = frontier_of(levels, 0, header.generation);
   while (!frontier.empty()) {
     show(frontier, neighbourhood, levels, header.generation, progress);
     ++header.generation;
-    Frontier found;
-    std::size_t next = 0;
+    const RecordIndex known = levels.records();
+    auto next = frontier.begin();
+    auto source = frontier.begin();  // of the conversions that come next
     expand(
         [&](FrontierRecord& record) {
-          if (next == frontier.size()) return false;
-          const auto [point, level] = frontier[next++];
-          record = {point, level, levels.state(levels.find(point, level)),
-                    neighbourhood.inside(point)};
+          if (next == frontier.end()) return false;
+          const RecordIndex r = *next++;
+          const PointIndex point = levels.point(r);
+          record = {point, levels.level(r), levels.state(r), neighbourhood.inside(point)};
           return true;
         },
         converter, header.spec,
-        [&](PointIndex point, Level level, DirectionMask directions, const double* rows) {
-          levels.settle(
-              levels.find(point, level), directions, header.generation,
-              [&](int q) { return rows + static_cast<unsigned>(q) * width; },
-              [&](const Levels::Stored& record) { found.push_back(record); });
+        [&](PointIndex, Level, DirectionMask directions, const double* rows) {
+          levels.settle(*source++, directions, header.generation,
+                        [&](int q) { return rows + static_cast<unsigned>(q) * width; });
         });
-    std::sort(found.begin(), found.end());
-    frontier.swap(found);
+    frontier = frontier_of(levels, known, header.generation);
     if (partial) partial->write_checkpoint_if_due(header, levels);
   }
   show(frontier, neighbourhood, levels, header.generation, progress);
@@ -134,16 +105,13 @@ void complete(const Section& grid, Converter& converter, Progress& progress,
     return copy_finished(grid, out);
   }
   SectionHeader header = grid.header;
-  Levels levels(header.spec, converter.model());
-  Frontier frontier = load(grid, levels);
-  tell_what_is_kept(partial, [&] {
-    run_rounds(header, levels, std::move(frontier), converter, progress, partial);
-  });
+  Levels levels(grid, converter.model());
+  tell_what_is_kept(partial, [&] { run_rounds(header, levels, converter, progress, partial); });
   if (!header.lacks_tears()) {
     SectionWriter out = open(header);
     return levels.write(out);
   }
-  const Grid finished = move_into_grid(header, levels);
+  const Grid finished(header.spec, header.generation, levels.take());
   const std::vector<OneWayLink> links = one_way_links(finished);
   std::vector<TearByte> tears;
   tell_what_is_kept(partial, [&] { tears = find_tears(finished, links, converter, progress); });

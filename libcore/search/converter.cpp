@@ -1,9 +1,10 @@
 #include "libcore/search/converter.hpp"
 
 #include <algorithm>
+#include <future>
 #include <string>
 #include <string_view>
-#include <thread>
+#include <system_error>
 #include <utility>
 
 #include "libcore/base/error.hpp"
@@ -92,15 +93,26 @@ void Converter::make_conversions(Batch& batch, WorkQueue& queue, Model& model) {
 }
 
 void Converter::run(WorkQueue& queue, const std::function<void(Model&)>& work) {
-  std::vector<std::jthread> others;
-  try {
-    for (std::size_t k = 1; k < queue.threads(); ++k)
-      others.emplace_back([&, k] { work(*models_[k]); });
-  } catch (...) {  // nobody waits for the work of the others
-    queue.stop();
-    throw;
-  }
-  if (queue.threads() > 0) work(*models_.front());
+  const auto guarded = [&](std::size_t k) {
+    try {
+      work(*models_[k]);
+    } catch (...) {  // nobody waits for the work of the others
+      queue.stop();
+      throw;
+    }
+  };
+  std::vector<std::future<void>> others;
+  for (std::size_t k = 1; k < queue.threads(); ++k) try {
+      others.push_back(std::async(std::launch::async, guarded, k));
+    } catch (const std::system_error& e) {
+      queue.stop();
+      throw Error(
+          format("thread {} of {} cannot be started: {}; have fewer (-j), or raise the limit "
+                 "(ulimit -u)",
+                 k + 1, queue.threads(), e.code().message()));
+    }
+  if (queue.threads() > 0) guarded(0);
+  for (std::future<void>& other : others) other.get();
 }
 
 void Converter::convert(Batch& batch) {

@@ -36,7 +36,8 @@ class Converter {
   void convert(Batch& batch);
 
   /// Calls work(model) for as many models as `queue` has work for, each in a thread of its own.
-  /// @throw what the system says when a thread cannot be started; the queue is stopped then
+  /// When one of them throws, or cannot be started, the queue is stopped.
+  /// @throw Error when a thread cannot be started; what `work` throws, when all threads have ended
   void run(WorkQueue& queue, const std::function<void(Model&)>& work);
   std::size_t models() const { return models_.size(); }
   /// A model for the caller's own thread, between calls of convert().

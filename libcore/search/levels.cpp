@@ -1,210 +1,188 @@
 #include "libcore/search/levels.hpp"
 
 #include <algorithm>
-#include <bit>
-#include <string>
-#include <type_traits>
 #include <utility>
 
-#include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/grid/describe.hpp"
+#include "libcore/grid/grid_builder.hpp"
+#include "libcore/shard/reader.hpp"
 
 namespace hapgrid {
 
-Levels::Levels(const GridSpec& spec, const Model& model, Load load)
-    : spec_(spec),
+namespace {
+
+/// Where a column grows, it is in memory twice for a moment. So there is room from the start for
+/// what most grids have in the end, which takes memory only as far as it is used. What a header
+/// alone can claim is limited.
+std::size_t room_for(const GridSpec& spec) {
+  constexpr std::uint64_t kBytes = 1 << 30;
+  return std::min(spec.box.points() + spec.box.points() / 2,
+                  kBytes / record_bytes(spec.row_size()));
+}
+
+}  // namespace
+
+Levels::Levels(const Section& grid, const Model& model)
+    : spec_(grid.header.spec),
       model_(model),
-      load_(std::move(load)),
-      neighbourhood_(spec.box),
-      state_size_(spec.state_size),
-      row_size_(spec.row_size()),
-      block_points_(chunk_points(row_size_)),
-      block_bits_(static_cast<unsigned>(std::countr_zero(block_points_))) {
-  blocks_.resize((spec.box.points() + block_points_ - 1) >> block_bits_);
-}
-
-void Levels::touch(std::uint64_t number) {
-  std::unique_ptr<Block>& block = blocks_[number];
-  if (block) return;
-  if (free_blocks_.empty()) {
-    block = std::make_unique<Block>();
-  } else {
-    block = std::move(free_blocks_.back());
-    free_blocks_.pop_back();
+      neighbourhood_(spec_.box),
+      state_size_(spec_.state_size),
+      row_size_(spec_.row_size()) {
+  require_possible(spec_.box, grid.records());
+  first_.resize(spec_.box.points(), kNone);
+  const std::size_t room = room_for(spec_);
+  columns_.point.reserve(room);
+  columns_.level.reserve(room);
+  columns_.generation.reserve(room);
+  columns_.rows.reserve(room * row_size_);
+  columns_.links.reserve(room * kDirections);
+  next_.reserve(room);
+  SectionReader reader(grid);
+  RecordRows rows;
+  for (std::size_t i = 0; i < grid.footer.chunks.size(); ++i) {
+    reader.read(i, rows);
+    append(rows);
   }
-  block->first.assign(block_points_, kNone);
-  if (load_) load_(number);
-}
-
-void Levels::reserve(Block& block, std::size_t count) const {
-  if (block.records + count <= block.capacity) return;
-  // Room for one level a point is only touched as far as it is used.
-  const std::size_t capacity = std::max<std::size_t>(
-      {block.records + count, 2 * std::size_t{block.capacity}, block_points_});
-  const auto grow = [&](auto& column, std::size_t each) {
-    using Column = std::remove_reference_t<decltype(column)>;
-    Column larger(new typename Column::element_type[capacity * each]);
-    std::copy_n(column.get(), block.records * each, larger.get());
-    column = std::move(larger);
-  };
-  grow(block.next, 1);
-  grow(block.point, 1);
-  grow(block.level, 1);
-  grow(block.generation, 1);
-  grow(block.numbers, row_size_);
-  grow(block.links, kDirections);
-  block.capacity = static_cast<std::uint32_t>(capacity);
 }
 
 void Levels::append(const RecordRows& rows) {
-  for (std::size_t begin = 0; begin < rows.size();) {
-    Block& here = block(rows.point[begin]);
-    const auto points = rows.point.subspan(begin);
-    const auto count = static_cast<std::size_t>(
-        std::upper_bound(points.begin(), points.end(), points.front() | (block_points_ - 1)) -
-        points.begin());
-    reserve(here, count);
-    const auto copy = [&](const auto& from, auto& to, std::size_t each) {
-      std::copy_n(from.data() + begin * each, count * each, &to[here.records * each]);
-    };
-    copy(rows.point, here.point, 1);
-    copy(rows.level, here.level, 1);
-    copy(rows.generation, here.generation, 1);
-    copy(rows.numbers, here.numbers, row_size_);
-    copy(rows.links, here.links, kDirections);
-    const std::uint32_t from = here.records;
-    here.records += static_cast<std::uint32_t>(count);
-    records_ += count;
-    chain(here, from);
-    begin += count;
-  }
-}
-
-void Levels::chain(Block& block, std::uint32_t from) const {
-  for (std::uint32_t r = from; r < block.records; ++r) {
-    block.next[r] = kNone;
-    const PointIndex point = block.point[r];
-    std::uint32_t* last = &block.first[in_block(point)];
-    Level level = 0;
-    if (r > from && block.point[r - 1] == point) {
-      last = &block.next[r - 1];
-      level = static_cast<Level>(block.level[r - 1] + 1);
-    } else {
-      for (; *last != kNone; last = &block.next[*last]) ++level;
-    }
-    if (block.level[r] != level)
+  const auto add = [](auto& column, const auto& more) {
+    column.insert(column.end(), more.begin(), more.end());
+  };
+  const RecordIndex from = records();
+  add(columns_.point, rows.point);
+  add(columns_.level, rows.level);
+  add(columns_.generation, rows.generation);
+  add(columns_.rows, rows.numbers);
+  add(columns_.links, rows.links);
+  next_.resize(columns_.size(), kNone);
+  for (RecordIndex r = from; r < records(); ++r) {
+    // Points ascend, also from chunk to chunk.
+    const bool is_first = r == 0 || point(r - 1) != point(r);
+    const unsigned expected = is_first ? 0 : level(r - 1) + 1U;
+    if (level(r) != expected)
       throw FormatError(format("grid: {}: level {} where level {} was expected",
-                               describe(spec_.box, point), block.level[r], level));
-    *last = r;
+                               describe(spec_.box, point(r)), level(r), expected));
+    (is_first ? first_[point(r)] : next_[r - 1]) = r;
   }
 }
 
-RecordRows Levels::view(const Block& block) const {
-  RecordRows rows;
-  rows.width = row_size_;
-  rows.point = {block.point.get(), block.records};
-  rows.level = {block.level.get(), block.records};
-  rows.generation = {block.generation.get(), block.records};
-  rows.numbers = {block.numbers.get(), std::size_t{block.records} * row_size_};
-  rows.links = {block.links.get(), std::size_t{block.records} * kDirections};
-  return rows;
+RecordIndex Levels::find(PointIndex point, Level level) const {
+  RecordIndex r = first_[point];
+  for (; level > 0 && r != kNone; --level) r = next_[r];
+  return r;
 }
 
-Levels::RecordHandle Levels::find(PointIndex point, Level level) {
-  RecordHandle handle;
-  Block& here = block(point);
-  std::uint32_t r = here.first[in_block(point)];
-  for (; level > 0 && r != kNone; --level) r = here.next[r];
-  if (r == kNone) return handle;
-  handle.block_ = &here;
-  handle.record_ = r;
-  return handle;
+std::string Levels::record_text(RecordIndex r) const {
+  return describe(spec_.box, point(r), level(r));
 }
 
-std::uint32_t Levels::generation(RecordHandle handle) const {
-  return handle.block_->generation[handle.record_];
-}
-
-const double* Levels::state(RecordHandle handle) const {
-  return &handle.block_->numbers[std::size_t{handle.record_} * row_size_];
-}
-
-std::string Levels::source_text(RecordHandle source, int q) const {
-  const Block& from = *source.block_;
-  return format("{}, direction {}",
-                describe(spec_.box, from.point[source.record_], from.level[source.record_]), q);
-}
-
-bool Levels::settle_other(RecordHandle source, int q, PointIndex target, const double* numbers,
+void Levels::settle_other(RecordIndex source, int q, PointIndex target, const double* numbers,
                           std::uint32_t generation) {
-  Level& link = source.block_->links[std::size_t{source.record_} * kDirections + unsigned(q)];
-  if (link != kUnsettled)
-    throw FormatError(format("requests: {}: the grid's frontier asks for no such conversion",
-                             source_text(source, q)));
-  Block& here = block(target);
-  std::uint32_t r = here.first[in_block(target)];
-  std::uint32_t last = kNone;
+  if (link(source, q) != kUnsettled)
+    throw FormatError(
+        format("requests: {}, direction {}: the grid's frontier asks for no such conversion",
+               record_text(source), q));
+  RecordIndex last = kNone;
   Level level = 0;
-  while (r != kNone) {
-    const double* const known = &here.numbers[std::size_t{r} * row_size_];
-    if (has_bits(known, numbers) || model_.equal(known, numbers)) {
-      link = level;
-      return false;
+  for (RecordIndex r = first_[target]; r != kNone; r = next_[r], ++level) {
+    if (has_bits(state(r), numbers) || model_.equal(state(r), numbers)) {
+      link(source, q) = level;
+      return;
     }
     last = r;
-    r = here.next[r];
-    ++level;
   }
   if (level >= spec_.max_levels) fail_level_limit(target, source);
   if (!model_.equal(numbers, numbers))
     throw ModelError(
-        format("model {}: its tolerance function tells a state from itself: {}, reached from {}",
-               spec_.model, describe(spec_.box, target, level), source_text(source, q)));
-  link = level;
-  // `link` ends here: making room may move the records of its block.
-  reserve(here, 1);
-  r = here.records++;
-  ++records_;
-  (last == kNone ? here.first[in_block(target)] : here.next[last]) = r;
-  here.next[r] = kNone;
-  here.point[r] = target;
-  here.level[r] = level;
-  here.generation[r] = generation;
-  std::copy_n(numbers, row_size_, &here.numbers[std::size_t{r} * row_size_]);
-  Level* links = &here.links[std::size_t{r} * kDirections];
+        format("model {}: its tolerance function tells a state from itself: {}, reached from {}, "
+               "direction {}",
+               spec_.model, describe(spec_.box, target, level), record_text(source), q));
+  link(source, q) = level;
+  const RecordIndex r = records();
+  require_possible(spec_.box, std::uint64_t{r} + 1);
+  (last == kNone ? first_[target] : next_[last]) = r;
+  next_.push_back(kNone);
+  columns_.point.push_back(target);
+  columns_.level.push_back(level);
+  columns_.generation.push_back(generation);
+  columns_.rows.insert(columns_.rows.end(), numbers, numbers + row_size_);
   const DirectionMask inside = neighbourhood_.inside(target);
-  for (int d = 0; d < kDirections; ++d) links[d] = inside >> d & 1 ? kUnsettled : kLeavesBox;
-  last_stored_ = {target, level};
-  return true;
+  for (int d = 0; d < kDirections; ++d)
+    columns_.links.push_back(inside >> d & 1 ? kUnsettled : kLeavesBox);
 }
 
-void Levels::fail_level_limit(PointIndex target, RecordHandle source) const {
-  const Block& from = *source.block_;
+void Levels::fail_level_limit(PointIndex target, RecordIndex source) const {
   throw LevelLimit(format(
       "level limit: {} has {} levels (search.max_levels), and a state reached from {} equals none "
       "of them within the tolerance {}{}{}: the model has more states there, or its conversion is "
       "less exact than its tolerance",
-      describe(spec_.box, target), spec_.max_levels,
-      describe(spec_.box, from.point[source.record_], from.level[source.record_]),
-      to_text(spec_.tolerance), spec_.tolerance_unit.empty() ? "" : " ", spec_.tolerance_unit));
+      describe(spec_.box, target), spec_.max_levels, record_text(source), to_text(spec_.tolerance),
+      spec_.tolerance_unit.empty() ? "" : " ", spec_.tolerance_unit));
+}
+
+void Levels::require_settled(std::uint32_t generation) const {
+  std::uint64_t asked = 0;    // conversions that must be settled
+  std::uint64_t missing = 0;  // of these, not settled
+  std::string first_missing;
+  for_each([&](RecordIndex r) {
+    if (columns_.generation[r] != generation) return;
+    asked += static_cast<std::uint64_t>(std::popcount(neighbourhood_.inside(point(r))));
+    const Level* const links = &columns_.links[std::size_t{r} * kDirections];
+    const auto left = std::count(links, links + kDirections, kUnsettled);
+    if (left > 0 && missing == 0) first_missing = record_text(r);
+    missing += static_cast<std::uint64_t>(left);
+  });
+  if (missing == 0) return;
+  throw FormatError(format(
+      "requests are missing: {} of the {} conversions of generation {}, the first from {}; was a "
+      "shard lost, or is one still to be expanded?",
+      missing, asked, generation, first_missing));
 }
 
 void Levels::write(SectionWriter& out) const {
-  for (std::uint64_t b = 0; b < blocks(); ++b)
-    visit(b, [&](const RecordRows& rows, std::size_t begin, std::size_t end) {
-      out.records(rows, begin, end);
-    });
+  RecordRows all;
+  all.width = row_size_;
+  all.point = columns_.point;
+  all.level = columns_.level;
+  all.generation = columns_.generation;
+  all.numbers = columns_.rows;
+  all.links = columns_.links;
+  RecordIndex begin = 0;  // of a run of records
+  RecordIndex end = 0;
+  for_each([&](RecordIndex r) {
+    if (r != end) {
+      out.records(all, begin, end);
+      begin = r;
+    }
+    end = r + 1;
+  });
+  out.records(all, begin, end);
   out.finish();
 }
 
-void Levels::release(std::uint64_t number) {
-  std::unique_ptr<Block>& block = blocks_[number];
-  if (!block) return;
-  records_ -= block->records;
-  block->records = 0;
-  free_blocks_.push_back(std::move(block));
+RecordColumns Levels::take() {
+  std::vector<RecordIndex> to(records());  // where each record belongs
+  RecordIndex place = 0;
+  for_each([&](RecordIndex r) { to[r] = place++; });
+  first_ = {};
+  next_ = {};
+  const auto exchange = [](auto& column, std::size_t each, std::size_t a, std::size_t b) {
+    std::swap_ranges(&column[a * each], &column[a * each] + each, &column[b * each]);
+  };
+  for (RecordIndex r = 0; r < to.size(); ++r)
+    while (to[r] != r) {
+      const RecordIndex other = to[r];
+      exchange(columns_.point, 1, r, other);
+      exchange(columns_.level, 1, r, other);
+      exchange(columns_.generation, 1, r, other);
+      exchange(columns_.rows, row_size_, r, other);
+      exchange(columns_.links, kDirections, r, other);
+      std::swap(to[r], to[other]);
+    }
+  return std::exchange(columns_, {});
 }
 
 }  // namespace hapgrid

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/file.hpp"
 #include "libcore/base/format.hpp"
 #include "libcore/grid/describe.hpp"
 #include "libcore/search/levels.hpp"
@@ -58,145 +59,52 @@ SectionHeader MergeInput::merged_header() const {
 
 namespace {
 
-/// Counts the conversions of the frontier that no request answered.
-class Completeness {
- public:
-  explicit Completeness(const SectionHeader& grid) : grid_(grid), neighbourhood_(grid.spec.box) {}
-
-  /// For records that nothing will settle any more.
-  void count(const RecordRows& rows, std::size_t begin, std::size_t end) {
-    for (std::size_t r = begin; r < end; ++r) {
-      if (rows.generation[r] != grid_.generation) continue;
-      asked_ += static_cast<std::uint64_t>(std::popcount(neighbourhood_.inside(rows.point[r])));
-      const auto links = rows.links.subspan(r * kDirections, kDirections);
-      const auto left = std::count(links.begin(), links.end(), kUnsettled);
-      if (left == 0) continue;
-      if (missing_ == 0) first_missing_ = describe(grid_.spec.box, rows.point[r], rows.level[r]);
-      missing_ += static_cast<std::uint64_t>(left);
-    }
-  }
-
-  /// @throw FormatError when there are any.
-  void require() const {
-    if (missing_ == 0) return;
-    throw FormatError(
-        format("requests are missing: {} of the {} conversions of generation {}, the first from "
-               "{}; was a shard lost, or is one still to be expanded?",
-               missing_, asked_, grid_.generation, first_missing_));
-  }
-
- private:
-  const SectionHeader& grid_;
-  Neighbourhood neighbourhood_;
-  std::uint64_t asked_ = 0;    // conversions that must be settled
-  std::uint64_t missing_ = 0;  // of these, not settled
-  std::string first_missing_;
-};
-
-/// The grid's chunks on their way from the old grid through Levels to the new one, block by block.
-/// A block is the points of one chunk. Its records can need several chunks.
-class GridBlocks {
- public:
-  /// @throw FormatError when a chunk of the grid has points of several blocks.
-  GridBlocks(const Section& grid, std::uint32_t block_points)
-      : chunks_(grid.footer.chunks), block_points_(block_points), reader_(grid) {
-    for (const ChunkInfo& chunk : chunks_)
-      if (chunk.first_point / block_points != chunk.last_point / block_points)
-        throw FormatError(format("{}: damaged: a chunk of points {} to {} crosses a multiple of {}",
-                                 grid.file->name(), chunk.first_point, chunk.last_point,
-                                 block_points));
-  }
-
-  /// Reads a block. Any block can be asked for.
-  void load(std::uint64_t block, Levels& levels) {
-    const auto first =
-        std::partition_point(chunks_.begin(), chunks_.end(),
-                             [&](const ChunkInfo& chunk) { return block_of(chunk) < block; });
-    for (auto chunk = first; chunk != chunks_.end() && block_of(*chunk) == block; ++chunk) {
-      reader_.read(static_cast<std::size_t>(chunk - chunks_.begin()), rows_);
-      levels.append(rows_);
-    }
-  }
-
-  /// Writes the blocks that lie wholly before `point` and were not written yet: nothing will touch
-  /// them again. A block that nothing touched is copied as it is stored, unless it has records of
-  /// the frontier, whose requests are then missing.
-  void write_before(std::uint64_t point, Levels& levels, Completeness& completeness,
-                    SectionWriter& out) {
-    for (; (written_ + 1) * block_points_ <= point && written_ < levels.blocks(); ++written_) {
-      for (std::size_t i = next_; i < chunks_.size() && block_of(chunks_[i]) == written_; ++i)
-        if (chunks_[i].frontier > 0) levels.touch(written_);
-      const bool touched = levels.is_loaded(written_);
-      for (; next_ < chunks_.size() && block_of(chunks_[next_]) == written_; ++next_) {
-        if (touched) continue;
-        reader_.read_stored(next_, frame_);
-        out.copy(chunks_[next_], frame_);
-      }
-      levels.visit(written_, [&](const RecordRows& rows, std::size_t begin, std::size_t end) {
-        completeness.count(rows, begin, end);
-        out.records(rows, begin, end);
-      });
-      levels.release(written_);
-    }
-  }
-
- private:
-  std::uint64_t block_of(const ChunkInfo& chunk) const { return chunk.first_point / block_points_; }
-
-  const std::vector<ChunkInfo>& chunks_;
-  std::uint64_t block_points_;
-  SectionReader reader_;
-  RecordRows rows_;
-  std::vector<std::byte> frame_;  // of a chunk that is copied
-  std::uint64_t written_ = 0;     // blocks
-  std::size_t next_ = 0;          // chunk that was not passed yet
-};
-
 [[noreturn]] void fail_unasked(const GridSpec& spec, const SourceRequests& source) {
   throw FormatError(
       format("requests: {}, direction {}: the grid's frontier asks for no such conversion",
              describe(spec.box, source.point, source.level), std::countr_zero(source.directions)));
 }
 
-/// Its chunks can be small or large ones.
-void copy_chunks(const Section& grid, SectionWriter& out) {
+/// Copies a grid byte by byte, after a look at all of it.
+void copy(const Section& grid, int fd, const std::string& name) {
   SectionReader reader(grid);
-  std::vector<std::byte> frame;
-  for (std::size_t i = 0; i < grid.footer.chunks.size(); ++i) {
-    reader.read_stored(i, frame);
-    out.copy(grid.footer.chunks[i], frame);
+  RecordRows rows;
+  for (std::size_t i = 0; i < grid.footer.chunks.size(); ++i) reader.read(i, rows);
+  std::vector<std::byte> bytes;
+  for (std::uint64_t at = grid.begin; at < grid.end; at += bytes.size()) {
+    bytes.resize(std::min<std::uint64_t>(grid.end - at, 1 << 20));
+    if (grid.file->read(at, bytes) != bytes.size())
+      throw FormatError(format("{}: became shorter while it was read", grid.file->name()));
+    write_all(fd, bytes, name);
   }
 }
 
 }  // namespace
 
-void merge(const MergeInput& input, const Model& model, SectionWriter& out, Progress& progress) {
+void merge(const MergeInput& input, const Model& model, int fd, const std::string& name,
+           Progress& progress) {
   const SectionHeader& header = input.grid.header;
+  const auto writer = [&] { return SectionWriter(fd, name, input.merged_header()); };
   RequestReader requests(input.requests);
   SourceRequests source;
   if (input.grid.frontier() == 0) {
     if (requests.next(source)) fail_unasked(header.spec, source);
-    if (header.lacks_tears()) return merge_tears(input.grid, input.tears, out, progress);
-    copy_chunks(input.grid, out);
-    return out.finish();
+    if (!header.lacks_tears()) return copy(input.grid, fd, name);
+    SectionWriter out = writer();
+    return merge_tears(input.grid, input.tears, out, progress);
   }
-  GridBlocks blocks(input.grid, chunk_points(header.spec.row_size()));
-  Levels levels(header.spec, model, [&](std::uint64_t block) { blocks.load(block, levels); });
-  Completeness completeness(header);
-  const auto reach = static_cast<std::uint64_t>(Neighbourhood(header.spec.box).reach());
+  Levels levels(input.grid, model);
   while (requests.next(source)) {
-    if (source.point > reach) blocks.write_before(source.point - reach, levels, completeness, out);
-    const Levels::RecordHandle handle = levels.find(source.point, source.level);
-    if (!handle || levels.generation(handle) != header.generation)
+    const RecordIndex record = levels.find(source.point, source.level);
+    if (record == Grid::kNoRecord || levels.generation(record) != header.generation)
       fail_unasked(header.spec, source);
-    levels.settle(
-        handle, source.directions, header.generation + 1,
-        [&source](int q) { return source.row(q); }, [](const Levels::Stored&) {});
+    levels.settle(record, source.directions, header.generation + 1,
+                  [&source](int q) { return source.row(q); });
     progress.conversions += static_cast<std::uint64_t>(std::popcount(source.directions));
   }
-  blocks.write_before(levels.blocks() * levels.block_points(), levels, completeness, out);
-  completeness.require();
-  out.finish();
+  levels.require_settled(header.generation);
+  SectionWriter out = writer();
+  levels.write(out);
 }
 
 void copy_finished(const Section& grid, SectionWriter& out) {

@@ -1,7 +1,7 @@
 // The merge filter: lines 10 to 20 of Algorithm 1 for one generation.
 #pragma once
 
-#include <cstdint>
+#include <string>
 #include <vector>
 
 #include "libcore/model/model.hpp"
@@ -27,13 +27,14 @@ struct MergeInput {
 MergeInput merge_input(std::vector<Section> sections);
 
 /// Merges a whole round: each of the conversions of the grid's frontier must be among the requests;
-/// when it has no frontier, but lacks tear fractions, merge_tears() (tears.hpp) takes them. Memory
-/// for requests: a chunk of each of their sections, and the records between three slices of the
-/// grid. Tear fractions take memory for the whole grid. `out` was begun with merged_header(), and
-/// is finished here.
+/// when it has no frontier, but lacks tear fractions, merge_tears() (tears.hpp) takes them; else it
+/// is copied. Memory: the whole grid, and a chunk of each section of requests. Writes to `fd`,
+/// which the caller keeps open, and nothing before all requests are settled; `name` is for
+/// messages.
 /// @throw FormatError when requests are missing (it counts them), contradict each other, or were
 /// not asked for; Error (level limit), ModelError, std::system_error.
-void merge(const MergeInput& input, const Model& model, SectionWriter& out, Progress& progress);
+void merge(const MergeInput& input, const Model& model, int fd, const std::string& name,
+           Progress& progress);
 
 /// Writes the records of a finished grid to `out`, which cuts them into its own chunks, and
 /// finishes it. @throw Error when the frontier is not empty; FormatError, std::system_error

@@ -102,7 +102,11 @@ void write_seeds(const Definition& definition, const GridSpec& spec, Model& mode
   const Neighbourhood neighbourhood(spec.box);
   const std::uint32_t n = spec.state_size;
   std::vector<double> row(spec.row_size());
-  for (const auto& [point, states] : seed_states(definition, model)) {
+  const Seeds seeds = seed_states(definition, model);
+  std::uint64_t records = 0;
+  for (const auto& [point, states] : seeds) records += states.size() / n;
+  require_possible(spec.box, records);
+  for (const auto& [point, states] : seeds) {
     const std::string where = "seed " + describe(spec.box, point);
     const std::size_t count = states.size() / n;
     if (count > spec.max_levels)

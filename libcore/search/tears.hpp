@@ -1,8 +1,8 @@
 // Tear fractions (grid/tear.hpp): one more round over a grid without frontier. No fraction depends
 // on another one, so the links are shared out in any way.
 //
-// This round loads the whole grid, in each part of expand and in merge, because a bisection needs
-// the records at both ends of a link. The rounds before it read and write their grid as a stream.
+// Each part of expand loads the whole grid in this round, because a bisection needs the records at
+// both ends of a link. In the rounds before, a part reads the grid as a stream.
 #pragma once
 
 #include <cstddef>

@@ -1,8 +1,5 @@
 #include "libcore/session/recorder.hpp"
 
-#include <pthread.h>
-#include <sched.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -55,9 +52,6 @@ bool SessionRecorder::add(const TickRecord& tick) noexcept {
 
 /// The slow thread.
 void SessionRecorder::run(const std::stop_token& token) {
-  // A thread inherits the real-time priority of the thread that starts it.
-  const sched_param normal{};
-  static_cast<void>(::pthread_setschedparam(::pthread_self(), SCHED_OTHER, &normal));
   try {
     for (;;) {
       const bool last =

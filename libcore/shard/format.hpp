@@ -37,8 +37,7 @@ struct ChunkInfo {
   std::uint32_t conversions = 0;  ///< that its frontier asks for; of requests or tears: how many
   PointIndex first_point = 0;
   PointIndex last_point = 0;
-  Digest digest;             ///< of the message
-  std::uint64_t stored = 0;  ///< hash of the zstd frame
+  Digest digest;  ///< of the message
 };
 
 /// The index of a section.
@@ -91,8 +90,8 @@ inline RowKey record_key(PointIndex point, Level level) { return RowKey{point} <
 /// Bytes of one record before compression, for rows of `row_size` numbers.
 std::uint64_t record_bytes(std::uint32_t row_size);
 
-/// Bytes of a grid's chunk before compression. A round writes each chunk that it touches anew, so
-/// small chunks save work; but with smaller ones than this the whole grid would be larger.
+/// Bytes of a grid's chunk before compression. A part of a round reads few chunks when they are
+/// small; but with smaller ones than this the whole grid would be larger.
 inline constexpr std::uint64_t kChunkBytes = 1 << 16;
 /// The same of a finished grid that is stored small.
 inline constexpr std::uint64_t kLargeChunkBytes = 1 << 20;

@@ -24,10 +24,6 @@ class SectionReader {
   void read(std::size_t chunk, RequestRows& rows);
   void read(std::size_t chunk, TearRows& rows);
 
-  /// A chunk as it is stored: its zstd frame, which is checked against the footer's hash. Its
-  /// content is not looked at. @throw FormatError, std::system_error
-  void read_stored(std::size_t chunk, std::vector<std::byte>& frame);
-
  private:
   template <class Rows>
   void decode(std::size_t chunk, Rows& rows);

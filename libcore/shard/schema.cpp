@@ -240,7 +240,6 @@ void encode_footer(const SectionFooter& footer, schema::Footer::Builder out) {
     chunks[i].setLastPoint(chunk.last_point);
     chunks[i].setDigestLow(chunk.digest.low);
     chunks[i].setDigestHigh(chunk.digest.high);
-    chunks[i].setStored(chunk.stored);
   }
   out.setDigestLow(footer.digest.low);
   out.setDigestHigh(footer.digest.high);
@@ -258,7 +257,6 @@ SectionFooter decode_footer(schema::Footer::Reader in) {
     info.first_point = chunk.getFirstPoint();
     info.last_point = chunk.getLastPoint();
     info.digest = {chunk.getDigestLow(), chunk.getDigestHigh()};
-    info.stored = chunk.getStored();
   }
   footer.digest = {in.getDigestLow(), in.getDigestHigh()};
   return footer;

@@ -15,7 +15,7 @@ namespace hapgrid {
 namespace {
 
 // A header carries the model's parameters in full, of which files have at most 64 MiB. A footer has
-// 56 bytes a chunk, half of them hashes, and so is not much larger than its zstd frame.
+// 48 bytes a chunk, a third of them digests, and so is not much larger than its zstd frame.
 constexpr std::uint64_t kMaxHeaderBytes = 80 << 20;
 constexpr std::uint64_t kMaxFooterRatio = 16;
 

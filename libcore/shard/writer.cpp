@@ -14,8 +14,8 @@ namespace hapgrid {
 
 namespace {
 
-/// Room for a header. A larger one gets a second segment, whose size depends on this: with another
-/// number it has other bytes.
+/// Room for a header. Do not change: a larger header is split here, and another number would change
+/// the bytes of existing grids.
 constexpr std::size_t kHeaderWords = 1279;
 
 /// How chunks are compressed. Speed counts, and links and smooth states compress nearly as well at
@@ -81,21 +81,21 @@ class SectionWriter::Encoder {
       : fd_(fd), name_(std::move(name)), zstd_(std::move(encoder)) {}
 
   /// Builds one message of some `words` with `fill(schema::Message::Builder)`, and writes it.
+  /// Answers its zstd frame, valid until the next call.
   template <class Fill>
-  void write(std::size_t words, Fill&& fill) {
+  std::span<const std::byte> write(std::size_t words, Fill&& fill) {
     build_message<schema::Message>(words, scratch_, message_, fill);
     const auto bytes = std::as_bytes(std::span(message_));
     const std::span<const std::byte> frame = zstd_.encode(bytes);
     digest_ = digest_of(bytes);
     size_ = static_cast<std::uint32_t>(frame.size());
-    hash_ = hash_of(frame);
     put(frame);
+    return frame;
   }
 
   // Of the message written last.
   Digest digest() const { return digest_; }
   std::uint32_t size() const { return size_; }
-  std::uint64_t hash() const { return hash_; }
 
   /// Zstd frames of a grid are a few KiB each, and a call of the system for each would cost more
   /// than to copy them.
@@ -119,7 +119,6 @@ class SectionWriter::Encoder {
   std::vector<std::byte> pending_;  // not written yet
   Digest digest_;
   std::uint32_t size_ = 0;
-  std::uint64_t hash_ = 0;
   MessageWords scratch_;
   MessageWords message_;
 };
@@ -229,12 +228,6 @@ void SectionWriter::tears(PointIndex point, Level level, DirectionMask direction
   conversions_ += count;
 }
 
-void SectionWriter::copy(const ChunkInfo& info, const std::vector<std::byte>& frame) {
-  flush();
-  footer_.chunks.push_back(info);
-  encoder_->put(frame);
-}
-
 void SectionWriter::flush() {
   if (rows_ == 0) return;
   const auto rows = static_cast<unsigned>(rows_);
@@ -272,7 +265,6 @@ void SectionWriter::flush() {
   info.first_point = point_[0];
   info.last_point = point_[rows - 1];
   info.digest = encoder_->digest();
-  info.stored = encoder_->hash();
   footer_.chunks.push_back(info);
   rows_ = 0;
   frontier_ = conversions_ = 0;
@@ -282,10 +274,10 @@ void SectionWriter::finish() {
   flush();
   footer_.digest = section_digest(header_digest_, footer_.chunks);
   const std::size_t words = 64 + footer_.chunks.size() * sizeof(ChunkInfo) / sizeof(std::uint64_t);
-  encoder_->write(words, [&](schema::Message::Builder message) {
+  const auto frame = encoder_->write(words, [&](schema::Message::Builder message) {
     encode_footer(footer_, message.initFooter());
   });
-  encoder_->put(encode_locator({encoder_->size(), encoder_->hash()}));
+  encoder_->put(encode_locator({frame.size(), hash_of(frame)}));
   encoder_->drain();
 }
 

@@ -9,8 +9,8 @@
 
 namespace hapgrid {
 
-/// How the chunks of a grid are stored: kFast, to be read and written fast, and so that what does
-/// not change keeps its bytes; kSmall, of a finished grid, in large chunks at a high zstd level.
+/// How the chunks of a grid are stored: kFast, to be read and written fast; kSmall, of a finished
+/// grid, in large chunks at a high zstd level.
 enum class Packing { kFast, kSmall };
 
 /// Rows are given in order, one by one, and leave in chunks whose boundaries depend on the rows
@@ -39,10 +39,6 @@ class SectionWriter {
   /// The tear fractions of a source record's links, one for each of the `directions`, ascending.
   /// @throw std::system_error
   void tears(PointIndex point, Level level, DirectionMask directions, const TearByte* tears);
-
-  /// A whole chunk of a grid as it is stored, by its zstd frame: no record of it is in the new
-  /// frontier, and no other record of its range of points is written. @throw std::system_error
-  void copy(const ChunkInfo& info, const std::vector<std::byte>& frame);
 
   /// Writes what is left, the footer and the locator. @throw std::system_error
   void finish();

@@ -107,7 +107,7 @@ void add(Content& content, const GridSpec& spec) {
 
 void add(Content& content, const ChunkInfo& chunk) {
   content.add_all(chunk.size, chunk.rows, chunk.frontier, chunk.conversions, chunk.first_point,
-                  chunk.last_point, chunk.digest.low, chunk.digest.high, chunk.stored);
+                  chunk.last_point, chunk.digest.low, chunk.digest.high);
 }
 
 void add(Content& content, const RecordRows& rows) {
@@ -145,20 +145,6 @@ std::string read_shard(const std::string& name) {
       add_rows<TearRows>(content, section);
     else
       add_rows<RecordRows>(content, section);
-  }
-  return content.bytes();
-}
-
-/// As merge copies a grid: chunks as they are stored, looked at only then.
-std::string copy_grid(const std::string& name) {
-  Content content;
-  const Section grid = open_grid(name);
-  SectionReader reader(grid);
-  std::vector<std::byte> frame;
-  for (std::size_t i = 0; i < grid.footer.chunks.size(); ++i) {
-    reader.read_stored(i, frame);
-    content.add(frame.size());
-    for (const std::byte byte : frame) content.add(std::to_integer<unsigned>(byte));
   }
   return content.bytes();
 }
@@ -385,7 +371,6 @@ int main(int argc, char** argv) {
     if (kind == "shard") {
       report(name, "rows", examine(name, each, read_shard));
       if (!is_grid(name)) continue;
-      report(name, "a copy", examine(name, each, copy_grid));
       report(name, "a grid", examine(name, each, load));
     } else if (kind == "session") {
       report(name, "a session", examine_session(name, each, read_session));

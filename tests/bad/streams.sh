@@ -22,7 +22,7 @@ seeds = {points = [[0, 0, 0]], states = [[[0.5, 0.25], [0.1, 0.9]]]}
 END
 seed toy.toml --set search.max_levels=8 -o toy.seeds
 expand toy.seeds -o toy.requests
-# Several chunks, which merge copies without decoding them.
+# Several chunks.
 seed toy.toml --set model.parameters.state_size=3000 --set search.max_levels=25 --set search.tears=false --set 'grid.counts=[5,5,5]' \
   --set 'seeds={points = [[0, 0, 0]]}' | expand --complete -o toy.grid
 

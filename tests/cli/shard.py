@@ -143,7 +143,6 @@ def chunk_info(header, message, content, stored):
         "lastPoint": int(point[-1] or 0) if point else 0,
         "digestLow": str(low),
         "digestHigh": str(high),
-        "stored": str(xxh3_64(stored)),
     }
 
 

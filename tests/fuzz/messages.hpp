@@ -37,7 +37,6 @@ struct Parts {
 struct Framed {
   std::uint64_t offset = 0, size = 0;  ///< of its zstd frame in the file
   Digest digest;                       ///< of the message
-  std::uint64_t hash = 0;              ///< of its zstd frame
 };
 
 /// Puts what is true of the messages before it into a footer; may refuse a footer that is none.
@@ -90,7 +89,7 @@ inline std::vector<std::byte> put_together(Parts parts, FitFooter fit) {
       const bool is_footer = section.has_footer && &message == &section.all.back();
       if (is_footer) refusable([&] { fit(message, before); });
       const std::span<const std::byte> frame = encoder.encode(bytes_of(message));
-      before.push_back({file.size(), frame.size(), digest_of(bytes_of(message)), hash_of(frame)});
+      before.push_back({file.size(), frame.size(), digest_of(bytes_of(message))});
       file.insert(file.end(), frame.begin(), frame.end());
       if (!is_footer) continue;
       const auto locator = encode_locator({frame.size(), hash_of(frame)});

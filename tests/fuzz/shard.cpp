@@ -27,14 +27,6 @@ void read_rows(const Section& section) {
     refusable([&] { reader.read(i, rows); });
 }
 
-/// A grid as it is copied.
-void read_stored(const Section& section) {
-  SectionReader reader(section);
-  std::vector<std::byte> frame;
-  for (std::size_t i = 0; i < section.footer.chunks.size(); ++i)
-    refusable([&] { reader.read_stored(i, frame); });
-}
-
 /// The grid as play takes it, whatever its links are: along a diagonal of its box and back, a jump,
 /// and no number.
 void play(const Grid& grid) {
@@ -76,7 +68,6 @@ void read_shard(std::span<const std::byte> bytes) {
         read_rows<TearRows>(section);
       } else {
         read_rows<RecordRows>(section);
-        read_stored(section);
       }
     }
   });
@@ -102,7 +93,6 @@ void fit_footer(Words& words, std::span<const Framed> before) {
     ChunkInfo& chunk = footer.chunks[i - 1];
     chunk.size = static_cast<std::uint32_t>(before[i].size);
     chunk.digest = before[i].digest;
-    chunk.stored = before[i].hash;
   }
   footer.digest = section_digest(before[0].digest, footer.chunks);
   capnp::MallocMessageBuilder builder;

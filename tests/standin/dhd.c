@@ -57,12 +57,6 @@ int dhdGetPosition(double* x, double* y, double* z, char id) {
   return DHD_TIMEGUARD;
 }
 
-int dhdGetLinearVelocity(double* x, double* y, double* z, char id) {
-  (void)id;
-  *x = *y = *z = 0;
-  return open_ ? 0 : refuse("device is not open");
-}
-
 uint dhdGetButtonMask(char id) {
   (void)id;
   return 2;  // the second button is held

@@ -53,8 +53,8 @@ def receive():
 
 
 # 25 mm to the left of the place where the client starts, 10 mm away from the user, 5 mm up.
-state = {"cursor_position": {"z": 0.15, "y": -0.12, "x": 0.0}, "cursor_velocity": {"x": 0.0, "y": 0.0, "z": 0.0}}
-moved = {"cursor_position": {"z": 0.155, "y": -0.11, "x": -0.025}, "cursor_velocity": {"x": 0.0, "y": 0.0, "z": 0.0}}
+state = {"cursor_position": {"z": 0.15, "y": -0.12, "x": 0.0}}
+moved = {"cursor_position": {"z": 0.155, "y": -0.11, "x": -0.025}}
 grip = {"device_id": "0001", "state": {"buttons": {"a": False, "b": True}}}
 devices = [] if fault == "absent" else [{"device_id": "049D", "config": {"type": "inverse3"}, "state": state}]
 send({"session_id": 7, "inverse3": devices, "wireless_verse_grip": [grip]})

@@ -17,6 +17,7 @@
 #include "libcore/base/file.hpp"
 #include "libcore/base/format.hpp"
 #include "libcore/base/json_text.hpp"
+#include "tools/common/tool.hpp"
 
 namespace hapgrid {
 
@@ -117,8 +118,11 @@ void append_cost(const std::string& file, const RunCost& cost) {
   if (!cost.failed.empty()) line["failed"] = cost.failed;
   const FileDescriptor out(::open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
   // Lines of processes that share the file stay whole, also when the disk takes half of one.
+  if (out && ::flock(out.get(), LOCK_EX) != 0)
+    say(cost.tool, format("{} cannot be locked ({}): let one process at a time write there", file,
+                          std::generic_category().message(errno)));
   struct stat before {};
-  if (!out || ::flock(out.get(), LOCK_EX) != 0 || ::fstat(out.get(), &before) != 0)
+  if (!out || ::fstat(out.get(), &before) != 0)
     throw std::system_error(errno, std::generic_category(), file);
   const std::string text = json_line(line) + "\n";
   try {

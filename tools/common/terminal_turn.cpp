@@ -4,6 +4,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
 #include <thread>
 
@@ -29,7 +30,7 @@ void wait_for_terminal() {
   const FileDescriptor terminal = open_again(STDERR_FILENO);
   if (!terminal) return;
   const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(2);
-  while (::flock(terminal.get(), LOCK_EX | LOCK_NB) != 0 &&
+  while (::flock(terminal.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK &&
          std::chrono::steady_clock::now() < patience)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
 }

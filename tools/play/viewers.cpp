@@ -52,28 +52,40 @@ void fill(Snapshot& snapshot, const Tick& tick, double rate_hz) noexcept {
 
 }  // namespace
 
+/// What the slow thread uses.
+struct Viewers::Slow {
+  Slow(const GridSpec& of, const MakeModel& create)
+      : spec(of), fields(spec, create, /*wants_shape=*/true) {}
+
+  const GridSpec spec;
+  Fields fields;
+  std::optional<FramePublisher> publisher;
+};
+
 Viewers::Viewers(const PlayOptions& options) : options_(options), file_(!options.frames.empty()) {}
+Viewers::~Viewers() = default;
 
 void Viewers::start(const GridSpec& spec, const MakeModel& create, double rate_hz, bool paced,
                     const std::atomic<int>& stop, double largest_force) {
   if (!file_) return;
   rate_hz_ = rate_hz;
-  fields_.emplace(spec, create, /*wants_shape=*/true);
-  Scene scene = describe_scene(spec, *fields_, options_);
+  slow_ = std::make_unique<Slow>(spec, create);
+  Scene scene = describe_scene(spec, slow_->fields, options_);
   scene.largest_force = largest_force;
-  publisher_.emplace(
+  slow_->publisher.emplace(
       OutputFile(options_.frames, /*binary=*/false), scene, spec.row_size(),
-      [this](Frame& frame) { complete(*fields_, frame); }, paced, rate_hz, stop);
+      [&fields = slow_->fields](Frame& frame) { complete(fields, frame); }, paced, rate_hz, stop);
 }
 
 void Viewers::show(const Tick& tick) {
-  if (!publisher_) return;
-  fill(publisher_->next(), tick, rate_hz_);
-  publisher_->publish();
+  if (!slow_) return;
+  fill(slow_->publisher->next(), tick, rate_hz_);
+  slow_->publisher->publish();
 }
 
 void Viewers::finish() {
-  if (publisher_) counts_ = publisher_->finish();
+  if (slow_) counts_ = slow_->publisher->finish();
+  if (counts_ && counts_->lacking) static_cast<void>(slow_.release());  // its thread still runs
   // The viewer at the end of a pipe learns now that this was all, and gives the terminal back.
   if (options_.frames == "-") ::dup2(FileDescriptor(::open("/dev/null", O_WRONLY)).get(), 1);
 }
@@ -81,9 +93,10 @@ void Viewers::finish() {
 void Viewers::print_summary() const {
   if (file_)
     say("play", format("frames written {}, dropped {}{}", counts_->written, counts_->dropped,
-                       counts_->closed ? "; the viewer closed its end before the last one"
-                       : counts_->cut  ? "; the viewer stopped reading, the last one is cut"
-                                       : ""));
+                       counts_->closed    ? "; the viewer closed its end before the last one"
+                       : counts_->cut     ? "; the viewer stopped reading, the last one is cut"
+                       : counts_->lacking ? "; the model did not give the shape of the last one"
+                                          : ""));
 }
 
 }  // namespace hapgrid

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <functional>
+#include <memory>
 #include <optional>
 
 #include "libcore/haptic/loop.hpp"
@@ -15,9 +16,10 @@ namespace hapgrid {
 class Viewers {
  public:
   explicit Viewers(const PlayOptions& options);
+  ~Viewers();
 
   /// Starts the slow thread if there are frames to write.
-  /// @param spec outlives this. @param create as Fields has it. @param stop see FramePublisher.
+  /// @param create as Fields has it. @param stop see FramePublisher.
   /// @param largest_force newtons that are sent at most in this grid
   void start(const GridSpec& spec, const MakeModel& create, double rate_hz, bool paced,
              const std::atomic<int>& stop, double largest_force);
@@ -35,8 +37,8 @@ class Viewers {
   const PlayOptions& options_;
   bool file_;
   double rate_hz_ = kUnpacedHz;
-  std::optional<Fields> fields_;  // of the slow thread
-  std::optional<FramePublisher> publisher_;
+  struct Slow;
+  std::unique_ptr<Slow> slow_;
   std::optional<FrameCounts> counts_;
 };
 

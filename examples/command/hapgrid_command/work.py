@@ -84,6 +84,8 @@ class Work:
         except BlockingIOError:
             self.say(f"another run works in {self.directory}: waiting for its end")
             fcntl.flock(self._lock, fcntl.LOCK_EX)
+        except OSError as e:  # a file system without locks
+            self.say(f"{self.directory} cannot be locked ({e.strerror}): let one run at a time work there")
         for directory in (self.directory, self.kept.directory):
             for one in os.scandir(directory) if os.path.isdir(directory) else ():
                 if one.is_symlink():

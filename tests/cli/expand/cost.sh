@@ -38,3 +38,12 @@ python3 -c '
 import json
 print(sorted(json.loads(line)["part"] for line in open("shared")) == list(range(1, 41)))' >sorted
 same "parts" True "$(cat sorted)"
+
+# A file system that has no locks.
+if strace -o /dev/null true 2>/dev/null && ! sanitized; then
+  for error in ENOLCK ENOSYS; do
+    expect 0 '' '~expand: unlocked cannot be locked \([A-Z].*\): let one process at a time write there' -- \
+      strace -f -qq -o trace -e inject=flock:error=$error expand seeds --cost unlocked -o r4
+  done
+  same "lines" 2 "$(wc -l <unlocked)"
+fi

@@ -21,7 +21,7 @@ for part in 0/3 4/3 1 1/0 0/0 -1/3 1/-3 1/3x ' 1/3' 1//3 /3 1/ x '' 1/4294967296
   18446744073709551617/18446744073709551618; do
   usage expand seeds -o out --part "$part"
 done
-for threads in 0 -1 1025 x 1.5 ''; do usage expand seeds -o out -j "$threads"; done
+for threads in -1 1025 x 1.5 ''; do usage expand seeds -o out -j "$threads"; done
 usage expand seeds -o out --complete --part 1/2
 usage expand seeds seeds -o out
 usage merge --small seeds requests -o out

@@ -24,14 +24,6 @@ done
 expand grid -o requests
 merge grid requests -o next
 
-# Nothing touches most of its chunks: they are the same bytes as before.
-export PYTHONPATH=$HAPGRID_SOURCE/tests/cli
-python3 - <<'END'
-import shard
-old, new = (set(shard.frames(open(name, "rb").read())[1:-1]) for name in ("grid", "next"))
-assert len(new & old) > 3 and len(new - old) > 3, (len(new & old), len(new - old))
-END
-
 # A finished grid, small: the same content in larger chunks, which merge leaves as they are.
 expand --complete next -o grown
 expect 0 '' '' -- merge --small grown -o small
@@ -42,12 +34,7 @@ for what in '--npy -' '--get records' '--get generation'; do
   stats $what small | cmp - <(stats $what grown)
 done
 expect 0 "$(verify grown -j 2 --format json)" '~verify: .*' -- verify small -j 2 --format json
-merge small -o copied
-python3 - <<'END'
-import shard
-small, copied, grown = (shard.frames(open(name, "rb").read())[1:-1] for name in ("small", "copied", "grown"))
-assert copied == small and len(small) < len(grown), (len(small), len(copied), len(grown))
-END
+merge small | cmp - small
 merge --small small | cmp - small
 expand --complete small | cmp - grown
 refuses 'merge: next: [0-9]+ records are still in the frontier; only a finished grid can be made small' -- merge --small next

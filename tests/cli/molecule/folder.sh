@@ -24,6 +24,11 @@ for folder in renamed twice; do
   expect 0 "~hapgrid play $folder/molecule\.grid --device path:$folder/path-past\.txt .*" '' -- feel "$folder"
   same "files of $folder" "$before" "$(cd "$folder" && stat -c '%n %Y' -- * | md5sum)"
 done
+if strace -o /dev/null true 2>/dev/null; then  # a file system that has no locks
+  strace -f -qq -o trace -e inject=flock:error=ENOLCK hapgrid molecule '<img src=x>.xyz' --method gfnff --spacing 1.2 \
+    -o renamed >/dev/null 2>said || fail "$(cat said)"
+  grep -q 'renamed cannot be locked (No locks available): let one run at a time work there' said || fail "$(cat said)"
+fi
 ! grep -q 'firstplace' renamed/*.{html,toml,tsv,txt} renamed/.work/*.json || fail "the folder's name is in it"
 
 # A stranger's folder: no file in it names one outside, to be read, written or removed.

@@ -51,6 +51,11 @@ rm d/*
 # The usual permissions.
 (umask 027 && seed toy.toml -o d/out)
 same "mode" 640 "$(stat -c %a d/out)"
+if strace -o /dev/null true 2>/dev/null && ! sanitized; then
+  # The file's name is on the disk, too. Nothing changes the umask, which belongs to all threads.
+  strace -o trace -e trace=rename,fsync,umask seed toy.toml -o d/out
+  same "calls" "fsync rename fsync" "$(sed -n 's/(.*//p' trace | paste -sd ' ')"
+fi
 rm d/out
 
 # Where there is no file to be made.

@@ -24,13 +24,13 @@ def note(*words):
     os.write(record, " ".join(map(str, (time.monotonic(), *words, "\n"))).encode())
 
 
-def greeting(magic=b"hapgrid", version=2, flags=RELEASES | SHARES, low=(-0.08,) * 3, high=(0.08,) * 3, force=3.0, rate=1000.0,
+def greeting(magic=b"hapgrid", version=3, flags=RELEASES | SHARES, low=(-0.08,) * 3, high=(0.08,) * 3, force=3.0, rate=1000.0,
              name=b"puppet"):
     return struct.pack("<8s2I3d3d2d48s", magic, version, flags, *low, *high, force, rate, name)
 
 
-def state(number, t=None, x=-0.04, v=0.0, buttons=0):
-    return struct.pack("<7d2I", time.monotonic() if t is None else t, x, 0, 0, v, 0, 0, buttons, number)
+def state(number, t=None, x=-0.04, buttons=0):
+    return struct.pack("<4d2I", time.monotonic() if t is None else t, x, 0, 0, buttons, number)
 
 
 def forever():
@@ -93,7 +93,7 @@ first = {
 }
 later = {
     "nan": lambda n: os.write(1, state(n, x=float("nan"))),
-    "infinite": lambda n: os.write(1, state(n, v=float("inf"))),
+    "infinite": lambda n: os.write(1, state(n, x=float("inf"))),
     "timeless": lambda n: os.write(1, state(n, t=float("nan"))),
     "far": lambda n: os.write(1, state(n, x=0.4)),
     "back": lambda n: os.write(1, state(n, t=1.0)),

@@ -34,8 +34,8 @@ class Adapter:
     def state(self):
         """(x, flags, number)"""
         message = self.wire.recv(500)
-        assert len(message) == 64, message
-        _, x, _, _, _, _, _, flags, number = struct.unpack("<7d2I", message)
+        assert len(message) == 40, message
+        _, x, _, _, flags, number = struct.unpack("<4d2I", message)
         return round(x, 9), flags, number
 
     def ask(self, x):

@@ -75,6 +75,12 @@ near dead 0.398 0.402
 line="play: the model beside the grid fails: process 'python3 flip.py' exited with status 3.*: from here on the grid alone"
 [[ $(grep -c 'beside the grid fails' dead.err) == 1 ]] || fail "$(cat dead.err)"
 grep -q "^$line decides$" dead.err || fail "$(cat dead.err)"
+# So it is when the system has no room for another process.
+if strace -o /dev/null true 2>/dev/null && ! sanitized; then
+  strace -f -qq -o trace -e inject=pipe2:error=EMFILE:when=5+ play grid --device path:path --allow-process flip.toml 2>full.err ||
+    fail "$(cat full.err)"
+  grep -q "process 'python3 flip.py' cannot be started: Too many open files" full.err || fail "$(cat full.err)"
+fi
 rm die
 
 # What the user asks for must be there.

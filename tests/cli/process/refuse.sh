@@ -33,6 +33,21 @@ expect 0 '' '~verify: .*' -- verify grid --recompute none -o report
 echo '0 0 0' >path
 refuses "play: .*model puppet.*force.*" -- play grid --device path:path
 
+# More processes than the system allows. Each thread has one, and each process three pipes.
+few="; have fewer \(-j\), or raise the limit \(ulimit"
+(
+  ulimit -n 32
+  refuses "expand: conversion at .*: $who.*' cannot be started: Too many open files$few -n\)" -- \
+    expand --complete seeds --allow-process good.toml -j 16 -o out
+)
+if strace -o /dev/null true 2>/dev/null && ! sanitized; then
+  refuses "expand: conversion at .*: $who.*' cannot be started: Resource temporarily unavailable$few -u\)" -- \
+    strace -f -qq -o trace -e inject=vfork:error=EAGAIN:when=3+ expand --complete seeds --allow-process good.toml -j 8 -o out
+  seed "$ball" --set 'grid.counts=[3,3,3]' -o few
+  refuses "expand: thread [0-9] of 4 cannot be started: Resource temporarily unavailable$few -u\)" -- \
+    strace -f -qq -o trace -e inject=clone3:error=EAGAIN:when=2+ expand few -j 4 -o out
+fi
+
 # A definition that is not the grid's.
 define other >other.toml
 refuses "expand: other\.toml: defines the model other, the grid's is puppet" -- \

@@ -15,7 +15,6 @@ int dhdStop(char id);
 int dhdEnableForce(uchar on, char id);
 int dhdSetForce(double x, double y, double z, char id);
 int dhdGetPosition(double* x, double* y, double* z, char id);
-int dhdGetLinearVelocity(double* x, double* y, double* z, char id);
 uint dhdGetButtonMask(char id);
 const char* dhdGetSystemName(char id);
 const char* dhdErrorGetLastStr(void);

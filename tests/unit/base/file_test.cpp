@@ -10,6 +10,7 @@
 #include <system_error>
 #include <thread>
 
+#include "libcore/base/parallel.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/temporary.hpp"
 
@@ -154,4 +155,31 @@ TEST_CASE("an input can be read at any offset, from a file and from a pipe") {
   ::dup2(saved, STDIN_FILENO);
   ::close(saved);
   ::close(file);
+}
+
+TEST_CASE("there are as many threads as the control groups allow") {
+  const auto threads = [](const std::string& groups, const std::string& file,
+                          const std::string& text, const std::string& period = "") {
+    const TemporaryDirectory root;
+    const std::string control = root.file("sys/fs/cgroup/") + file;
+    fs::create_directories(root.file("proc/self"));
+    fs::create_directories(fs::path(control).parent_path());
+    put(root.file("proc/self/cgroup"), groups);
+    put(control, text);
+    if (!period.empty())
+      put((fs::path(control).parent_path() / "cpu.cfs_period_us").string(), period);
+    return all_threads(root.file(""));
+  };
+  const int all = all_threads("/nowhere/");
+  CHECK(all >= 1);
+  CHECK(threads("0::/a/b\n", "a/b/cpu.max", "max 100000\n") == all);
+  CHECK(threads("0::/a/b\n", "a/b/cpu.max", "20000 100000\n") == 1);
+  CHECK(threads("0::/a/b\n", "a/cpu.max", "150000 100000\n") == std::min(all, 2));
+  CHECK(threads("0::/\n", "cpu.max", "50000 100000\n") == 1);
+  const std::string before = "5:memory:/x\n4:cpu,cpuacct:/docker/x\n0::/\n";
+  CHECK(threads(before, "cpu,cpuacct/cpu.cfs_quota_us", "100000\n", "100000\n") == 1);
+  CHECK(threads(before, "cpu,cpuacct/docker/x/cpu.cfs_quota_us", "60000\n", "50000\n") ==
+        std::min(all, 2));
+  CHECK(threads(before, "cpu,cpuacct/cpu.cfs_quota_us", "-1\n", "100000\n") == all);
+  CHECK(threads(before, "memory/x/cpu.cfs_quota_us", "10000\n", "100000\n") == all);
 }

@@ -38,6 +38,7 @@ TEST_CASE("arrows and page keys, in both of a terminal's modes and with modifier
                                                {"\x1b[5~", {0, 0.25, 0}},
                                                {"\x1b[6~", {0, -0.25, 0}},
                                                {"\x1b[1;5C", {0.25, 0, 0}},
+                                               {"\x1b[;5~", {0, 0, 0}},
                                                {"\x1b[5;2~", {0, 0.25, 0}},
                                                {"\x1b[5;2;3;4;5;6;7~", {0, 0.25, 0}},
                                                {"\x1b[C\x1b[C\x1b[B", {0.5, 0, -0.25}}};

@@ -177,6 +177,24 @@ TEST_CASE("paced, a viewer that sleeps costs frames, and one that died ends the 
   }
 }
 
+TEST_CASE("a model that never answers does not hold up the end") {
+  const TemporaryDirectory directory;
+  const std::string name = directory.file("f");
+  auto* const publisher = new FramePublisher(  // and stays, with the thread that is left behind
+      OutputFile(name, false), kScene, 3,
+      [](Frame& frame) {
+        complete(frame);
+        while (frame.tick >= 100) std::this_thread::sleep_for(1h);
+      },
+      true, 1000, stop);
+  offer_for(*publisher, 300ms);
+  const FrameCounts counts = publisher->finish();
+  CHECK(counts.lacking);
+  CHECK_FALSE(counts.cut);
+  CHECK(counts.written > 0);
+  CHECK(read_all(name).size() == counts.written);
+}
+
 TEST_CASE("a triple buffer gives the newest value, once") {
   TripleBuffer<int> buffer(7);
   CHECK_FALSE(buffer.update());

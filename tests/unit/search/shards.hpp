@@ -178,8 +178,9 @@ inline void merge_shards(const std::vector<std::string>& from, const std::string
   const MergeInput input = merge_input(open_sections(from));
   const auto model = toy_plugin().create(input.grid.header.spec.parameters);
   Progress progress;
-  write_shard(to, input.merged_header(),
-              [&](SectionWriter& out) { merge(input, *model, out, progress); });
+  OutputFile out(to);
+  merge(input, *model, out.fd(), out.name(), progress);
+  out.commit();
 }
 
 /// Compares a grid with X, record by record.

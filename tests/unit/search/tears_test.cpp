@@ -193,6 +193,25 @@ TEST_CASE("a conversion that fails is an error that names the first link") {
         "tear fraction of " + describe_link(grid, first.record, first.q) + ": too short a step");
 }
 
+TEST_CASE("the failure of a thread ends the work of the others, and reaches the caller") {
+  Random random(3);
+  const TemporaryDirectory dir;
+  write_seed_shard(Case(random), dir.file("seeds"));
+  Progress progress;
+  Converter converter(toy_plugin(), open_grid(dir.file("seeds")).header.spec, 3, progress);
+  for (const bool is_first : {false, true}) {
+    WorkQueue endless(std::uint64_t{1} << 62, converter.models(), 1, progress);
+    std::atomic<int> failures{0};
+    const auto work = [&](Model& model) {
+      if ((&model == &converter.model()) == is_first && failures++ == 0) throw Error("thrown");
+      WorkQueue::Slice mine;
+      for (std::uint64_t item; endless.next(mine, true, item);) {
+      }
+    };
+    CHECK_THROWS_WITH(converter.run(endless, work), "thrown");
+  }
+}
+
 TEST_CASE("merge refuses tear fractions of no one-way link, and two different ones of a link") {
   Random random(20074);
   const TemporaryDirectory dir;

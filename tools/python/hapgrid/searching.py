@@ -21,7 +21,7 @@ def search(definition: str | os.PathLike, output: str | os.PathLike | None = Non
     output          the file; by default the definition's name with .grid. What is there is replaced when the new grid is
                     complete. After an interruption the same call goes on.
     allow_process   whether the command that the definition names may be started: a model in Python needs it
-    processors      how many models work at a time; by default, all processors of the machine
+    processors      how many models work at a time; by default, as many as it may use processors
     set             keys of the definition that have other values than in the file: {"grid.spacing": 0.5}
 
     Progress goes to the notebook's cell, or to standard error if that is a terminal. Raises RuntimeError with what a
@@ -35,7 +35,7 @@ def search(definition: str | os.PathLike, output: str | os.PathLike | None = Non
     if seeds.returncode != 0:
         hint = "; give search() allow_process=True" if not allow_process and b"--allow-process" in seeds.stderr else ""
         raise RuntimeError(seeds.stderr.decode(errors="replace").strip() + hint)
-    command = [program("expand"), "--complete", "-", "-o", grid, "-j", str(processors or os.cpu_count() or 1)]
+    command = [program("expand"), "--complete", "-", "-o", grid, "-j", str(processors or 0)]
     if allow_process:
         command += ["--allow-process", definition]
     _watch(command, seeds.stdout)
