@@ -44,9 +44,10 @@ std::string ask_for_priority() {
                 kGuardPriority);
 }
 
-/// The stack grows when it is touched, which must not happen in a tick.
+/// The stack grows when it is touched, which must not happen in a tick. Linux has mapped 128 KiB of
+/// the first thread's from the start.
 [[gnu::noinline]] void touch_stack() {
-  volatile char ahead[64 << 10];
+  volatile char ahead[256 << 10];
   for (std::size_t i = 0; i < sizeof ahead; i += 1024) ahead[i] = 0;
 }
 

@@ -2,6 +2,9 @@
 source "$(dirname "$0")/../lib.sh"
 seed "$ball" | expand --complete -o grid
 
+# Functions of libraries are found at the start, and not in a tick.
+[[ -n ${HAPGRID_WRAPPER-} ]] || readelf -d "$HAPGRID_BIN/play" | grep -q ' BIND_NOW' || fail "they are found late"
+
 # There and back along y = z = 0 in steps of 0.01; -0.9 .. 0.9 and 0.9 .. -0.9.
 {
   echo "# there and back"

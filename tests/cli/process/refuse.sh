@@ -38,15 +38,16 @@ few="; have fewer \(-j\), or raise the limit \(ulimit"
 (
   ulimit -n 32
   refuses "expand: conversion at .*: $who.*' cannot be started: Too many open files$few -n\)" -- \
-    expand --complete seeds --allow-process good.toml -j 16 -o out
+    expand --complete seeds --allow-process good.toml -j 16
 )
 if strace -o /dev/null true 2>/dev/null && ! sanitized; then
   refuses "expand: conversion at .*: $who.*' cannot be started: Resource temporarily unavailable$few -u\)" -- \
-    strace -f -qq -o trace -e inject=vfork:error=EAGAIN:when=3+ expand --complete seeds --allow-process good.toml -j 8 -o out
+    strace -f -qq -o trace -e inject=vfork:error=EAGAIN:when=3+ expand --complete seeds --allow-process good.toml -j 8
   seed "$ball" --set 'grid.counts=[3,3,3]' -o few
   refuses "expand: thread [0-9] of 4 cannot be started: Resource temporarily unavailable$few -u\)" -- \
     strace -f -qq -o trace -e inject=clone3:error=EAGAIN:when=2+ expand few -j 4 -o out
 fi
+[[ -z $(compgen -G '.hapgrid.*') && ! -e out ]] || fail "something is left: $(ls -A)"
 
 # A definition that is not the grid's.
 define other >other.toml

@@ -1,4 +1,6 @@
-// Histogram, pacer and watchdog.
+// Histogram, pacer, watchdog and real time.
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -8,6 +10,7 @@
 
 #include "libcore/base/histogram.hpp"
 #include "libcore/haptic/pacer.hpp"
+#include "libcore/haptic/realtime.hpp"
 #include "libcore/haptic/watchdog.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/haptic/random_grid.hpp"
@@ -122,4 +125,30 @@ TEST_CASE("a watchdog barks once when the heart stops, and not while it beats") 
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   CHECK(Clock::now() - begin >= std::chrono::milliseconds(50));
   CHECK(barks == 1);
+}
+
+namespace {
+
+[[gnu::noinline]] void use_stack() {
+  volatile char bytes[200 << 10];
+  for (std::size_t i = 0; i < sizeof bytes; i += 512) bytes[i] = 0;
+}
+
+long page_faults() {
+  rusage usage{};
+  ::getrusage(RUSAGE_THREAD, &usage);
+  return usage.ru_minflt;
+}
+
+}  // namespace
+
+TEST_CASE("the stack of the loop is in memory before the first tick") {
+  const Realtime realtime(RealtimeMode::kTry);
+  if (realtime.got().find("memory locked") == std::string::npos) {
+    WARN(realtime.got());
+    return;
+  }
+  const long before = page_faults();
+  use_stack();
+  CHECK(page_faults() == before);
 }
