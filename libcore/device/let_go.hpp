@@ -15,7 +15,7 @@
 // each of them is told, and it has ended when nobody is left. Nothing else may kill it before step
 // 3, since only it can let go where there is no --release.
 //
-// An adapter that confirms the zero skips all other steps. One that dies by itself skips to the
+// An adapter that confirms the zero skips all other steps. One of which nobody is left skips to the
 // fourth, which needs an adapter that knows --release.
 #pragma once
 

@@ -12,7 +12,7 @@ PROMISED = {
     "adapter":            (20, 0, 20, 200, 120, 200, 350),
     "play+guard":         (100, 0, 100, 100, 100, 100, 150),
     "play+adapter":       (20, 0, 20, 200, 120, 200, 350),
-    "guard+adapter":      (20, 0, 20, 250, 120, 250, 450),
+    "guard+adapter":      (20, 0, 20, 250, 120, 250, 500),
     "play+guard+adapter": (NEVER, 0, 20, NEVER, 120, 500, LUCK),
 }
 SLACK, LENGTH = 15, 250

@@ -16,6 +16,7 @@ import ctypes
 import errno
 import functools
 import glob
+import io
 import json
 import math
 import multiprocessing
@@ -206,7 +207,7 @@ def _walls(rules, cpu_seconds, most_file, writes=False, more=()):
         _done(_libc.prctl(_PR_SET_DUMPABLE, 0, 0, 0, 0))
         _done(_libc.prctl(_PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0))
         if ruleset is not None:
-            _done(_libc.syscall(_RESTRICT_SELF, ruleset.number, 0))
+            _done(_libc.syscall(_RESTRICT_SELF, ruleset.fileno(), 0))
         _allow_alone(library, writes, more)
     return put
 
@@ -216,21 +217,13 @@ def _done(result):
         raise OSError(ctypes.get_errno(), "the walls for a file from outside cannot be put up")
 
 
-class _Descriptor:
-    def __init__(self, number):
-        self.number = number
-
-    def __del__(self):
-        os.close(self.number)
-
-
 def landlock():
     """The version of the kernel's interface; 0 where there is none."""
     return max(_libc.syscall(_CREATE_RULESET, None, ctypes.c_size_t(0), _GET_VERSION), 0)
 
 
 def _ruleset(rules):
-    """A descriptor of rules that allow nothing else; None without Landlock."""
+    """The file of rules that allow nothing else; None without Landlock."""
     version = landlock()
     if version == 0:
         return None
@@ -239,7 +232,7 @@ def _ruleset(rules):
     handled = (ctypes.c_uint64 * 3)(rights, 3 if version >= 4 else 0, 3 if version >= 6 else 0)
     ruleset = _libc.syscall(_CREATE_RULESET, handled, ctypes.c_size_t(ctypes.sizeof(handled)), 0)
     _done(ruleset)
-    ruleset = _Descriptor(ruleset)
+    ruleset = io.FileIO(ruleset)  # is closed with the last who knows it
     for path, allowed in rules.items():
         try:
             file = os.open(path, os.O_PATH | os.O_CLOEXEC)
@@ -249,7 +242,7 @@ def _ruleset(rules):
             if not os.path.isdir(path):
                 allowed &= _READ | _EXECUTE
             rule = (allowed & rights).to_bytes(8, sys.byteorder) + file.to_bytes(4, sys.byteorder)
-            _done(_libc.syscall(_ADD_RULE, ruleset.number, _PATH_BENEATH, rule, 0))
+            _done(_libc.syscall(_ADD_RULE, ruleset.fileno(), _PATH_BENEATH, rule, 0))
         finally:
             os.close(file)
     return ruleset

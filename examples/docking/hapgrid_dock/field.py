@@ -20,6 +20,9 @@ def files(path):
              for word in line.split() if word.startswith("file=")]
     if not labels or len(labels) != len(named):
         raise Failed(f"{path}: no .fld file of AutoGrid: its labels and variables are not as many")
+    strange = next((one for one in named if os.path.basename(one) != one), None)
+    if strange is not None:
+        raise Failed(f"{path}: names the file '{strange}': only files beside it are used, with plain names")
     return {LABELS.get(label, label.removesuffix("-affinity")): os.path.join(os.path.dirname(path), one)
             for label, one in zip(labels, named)}
 
@@ -40,7 +43,7 @@ def read(path, ligand):
 def host(path):
     """The host's atoms, for pictures: none where its file is not there."""
     named = [line.split()[1] for line in _lines(path, 1 << 20) if line.startswith("#MACROMOLECULE ") and len(line.split()) == 2]
-    beside = os.path.join(os.path.dirname(path), named[0]) if named else ""
+    beside = os.path.join(os.path.dirname(path), os.path.basename(named[0])) if named else ""
     if not beside.lower().endswith(".pdbqt") or not os.path.isfile(beside):
         return []
     return maps.atoms("\n".join(_lines(beside, maps.MOST_BYTES)), beside)

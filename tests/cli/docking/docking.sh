@@ -115,16 +115,16 @@ refuses 'dock: word.pqr: no PQR: an atom has no place or charge' -- hapgrid dock
 # Files of strangers: one at which Open Babel crashes, and names of what never ends.
 cp "$HAPGRID_SOURCE/tests/cli/molecule/inputs/crash-v3000.sdf" crash.sdf
 refuses 'dock: crash.sdf: obabel: ended by SIGSEGV' -- hapgrid dock "$host" crash.sdf -o out -q
-mkfifo pipe.mol2
+mkfifo pipe.mol2 usual/pipe
+sed 's|file=host.C.map|file=pipe|' usual/host.maps.fld >usual/pipe.fld
 sed 's|file=host.C.map|file=/dev/zero|' usual/host.maps.fld >usual/zero.fld
-sed 's|file=host.C.map|file=../pipe.mol2|' usual/host.maps.fld >usual/pipe.fld
 for name in pipe.mol2 /dev/zero; do
   refuses "dock: $name: is no regular file" -- timeout 20 hapgrid dock "$name" "$ligand" -o out -q
   refuses "dock: $name: is no regular file" -- timeout 20 hapgrid dock "$host" "$name" -o out -q
 done
-for name in zero pipe; do
-  refuses 'dock: .*(/dev/zero|pipe.mol2): is no regular file' -- timeout 20 hapgrid dock "usual/$name.fld" usual/ligand.pdbqt -o out -q
-done
+refuses 'dock: usual/pipe: is no regular file' -- timeout 20 hapgrid dock usual/pipe.fld usual/ligand.pdbqt -o out -q
+refuses "dock: usual/zero.fld: names the file '/dev/zero': only files beside it are used, with plain names" -- \
+  timeout 20 hapgrid dock usual/zero.fld usual/ligand.pdbqt -o out -q
 sed '/^ENDROOT/a BRANCH' usual/ligand.pdbqt >bare.pdbqt
 refuses 'dock: .*' -- hapgrid dock "$host" bare.pdbqt -o out --torsions 2 -q
 ! grep -q Traceback "$work/got/err" || fail "$(cat "$work/got/err")"

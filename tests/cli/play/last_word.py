@@ -95,7 +95,7 @@ TABLE = {
     "adapter":            (0.05, 0, 0.05, 0.2, 0.12, 0.2, 0.35),
     "play guard":         (0.1, 0, 0.1, 0.1, 0.1, 0.1, 0.15),
     "play adapter":       (0.05, 0, 0.05, 0.2, 0.12, 0.2, 0.35),
-    "guard adapter":      (0.05, 0, 0.05, 0.25, 0.12, 0.25, 0.45),
+    "guard adapter":      (0.05, 0, 0.05, 0.25, 0.12, 0.25, 0.5),
     "play guard adapter": (NEVER, 0, 0.05, NEVER, 0.12, 0.5, NEVER),
 }
 if not REAL_TIME:  # the kernel ends nobody who spins; a processor is shared
