@@ -26,21 +26,17 @@ using Clock = std::chrono::steady_clock;
 
 namespace {
 
-void send_signal(int process, int signal) noexcept {
-  ::syscall(SYS_pidfd_send_signal, process, signal, nullptr, 0);
-}
-
 int milliseconds_until(Clock::time_point deadline) noexcept {
   const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
   return static_cast<int>(std::max<std::int64_t>(left.count(), 0));
 }
 
 /// Reads answers until the one to the last force. @return false when it does not come in time, or
-/// the adapter is gone
-bool is_confirmed(int wire, int process, Clock::time_point deadline) noexcept {
+/// nobody is left who could send it
+bool is_confirmed(int wire, Clock::time_point deadline) noexcept {
   for (;;) {
-    pollfd ready[] = {{wire, POLLIN, 0}, {process, POLLIN, 0}};
-    const int polled = ::poll(ready, 2, milliseconds_until(deadline));
+    pollfd ready{wire, POLLIN, 0};
+    const int polled = ::poll(&ready, 1, milliseconds_until(deadline));
     if (polled < 0 && errno == EINTR) continue;
     if (polled <= 0) return false;
     hapgrid_device_state state[2];  // one more, so that a longer message is noticed
@@ -54,18 +50,27 @@ bool is_confirmed(int wire, int process, Clock::time_point deadline) noexcept {
     if (got == sizeof state[0] && state[0].number == kLastForce) return true;
     if (got == 0) return false;
     if (got < 0 && errno != EINTR && errno != EAGAIN && errno != ECONNRESET) return false;
-    if (got < 0 && ready[1].revents != 0) return false;  // it has ended, and nothing is left of it
-    if (Clock::now() >= deadline) return false;          // whoever floods the socket lies
+    if (Clock::now() >= deadline) return false;  // whoever floods the socket lies
   }
+}
+
+bool ends_until(Family& family, Clock::time_point deadline) noexcept {
+  while (!family.has_ended()) {
+    if (Clock::now() >= deadline) return false;
+    ::usleep(500);
+  }
+  return true;
 }
 
 }  // namespace
 
-FileDescriptor open_process(pid_t pid) {
-  FileDescriptor process(static_cast<int>(::syscall(SYS_pidfd_open, pid, 0)));
-  if (!process && errno != ESRCH)
+ProcessGroup::ProcessGroup(int wire, pid_t leader)
+    : wire_(wire),
+      leader_(leader),
+      session_(::getsid(leader)),
+      process_(static_cast<int>(::syscall(SYS_pidfd_open, leader, 0))) {
+  if (!process_ && errno != ESRCH)
     throw std::system_error(errno, std::generic_category(), "the adapter's process");
-  return process;
 }
 
 bool send_zero(int wire) noexcept {
@@ -73,31 +78,33 @@ bool send_zero(int wire) noexcept {
   return ::send(wire, &zero, sizeof zero, MSG_NOSIGNAL | MSG_DONTWAIT) == sizeof zero;
 }
 
-bool has_ended(int process, std::chrono::milliseconds patience) noexcept {
-  if (process < 0) return true;
-  const auto deadline = Clock::now() + patience;
-  pollfd ready{process, POLLIN, 0};
-  int polled;
-  do polled = ::poll(&ready, 1, milliseconds_until(deadline));
-  while (polled < 0 && errno == EINTR);
-  return polled > 0;
+bool ProcessGroup::has_ended() noexcept {
+  pollfd ready[] = {{wire_, 0, 0}, {process_.get(), POLLIN, 0}};  // a negative one is passed over
+  ::poll(ready, 2, 0);
+  return ready[0].revents != 0 && (!process_ || ready[1].revents != 0);
 }
 
-LetGo let_go(int wire, int process, std::chrono::milliseconds confirm_time) noexcept {
+void ProcessGroup::tell(int signal) noexcept {
+  const pid_t session = ::getsid(leader_);  // another one's: the number was given to a new process
+  if (session < 0 || session == session_) ::kill(-leader_, signal);
+  if (process_ && ::getpgid(leader_) != leader_)  // it has left its group
+    ::syscall(SYS_pidfd_send_signal, process_.get(), signal, nullptr, 0);
+}
+
+bool let_go(int wire, Family& family, std::chrono::milliseconds confirm_time) noexcept {
   const hapgrid_device_force last{
       .force = {0, 0, 0}, .number = kLastForce, .flags = HAPGRID_DEVICE_END};
   const auto deadline = Clock::now() + confirm_time;
   // Where the socket is full, the adapter is late, and hears of the zero by its end alone.
   (void)!::send(wire, &last, sizeof last, MSG_NOSIGNAL | MSG_DONTWAIT);
-  if (is_confirmed(wire, process, deadline)) return LetGo::kConfirmed;
+  if (is_confirmed(wire, deadline)) return true;
   // One that has closed its socket may be about to end.
-  if (has_ended(process, std::chrono::milliseconds(milliseconds_until(deadline))))
-    return LetGo::kEndedByItself;
-  send_signal(process, SIGTERM);
-  send_signal(process, SIGCONT);  // it may be stopped
-  if (has_ended(process, kTermTime)) return LetGo::kTerminated;
-  send_signal(process, SIGKILL);
-  return LetGo::kKilled;
+  if (ends_until(family, deadline)) return false;
+  family.tell(SIGTERM);
+  family.tell(SIGCONT);  // some of it may be stopped
+  if (ends_until(family, Clock::now() + kTermTime)) return false;
+  family.tell(SIGKILL);
+  return false;
 }
 
 bool release(const std::vector<std::string>& command) noexcept {

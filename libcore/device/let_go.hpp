@@ -10,7 +10,12 @@
 // | 3    | SIGKILL                                   |                        |
 // | 4    | the adapter again, with --release         | 2 s to send zero force |
 //
-// An adapter that confirms the zero skips all other steps. One that dies by itself skips to the
+// The process that was started may be a script, or one that has left the work to a child. So "the
+// adapter" is whoever holds the other end of its socket, and all that the first process started:
+// each of them is told, and it has ended when nobody is left. Nothing else may kill it before step
+// 3, since only it can let go where there is no --release.
+//
+// An adapter that confirms the zero skips all other steps. One of which nobody is left skips to the
 // fourth, which needs an adapter that knows --release.
 #pragma once
 
@@ -32,22 +37,43 @@ inline constexpr std::chrono::milliseconds kReleaseTime{2000};
 /// The number of the last force; no other force has it.
 inline constexpr std::uint32_t kLastForce = ~std::uint32_t{0};
 
-/// A process by a descriptor, which never means another process; none for a process that has ended
-/// already. @throw std::system_error
-FileDescriptor open_process(pid_t pid);
+/// An adapter, and what it has started.
+class Family {
+ public:
+  Family() = default;
+  Family(const Family&) = delete;
+  Family& operator=(const Family&) = delete;
+  virtual ~Family() = default;
+  /// Whether nobody is left. Never waits.
+  virtual bool has_ended() noexcept = 0;
+  /// Sends a signal to each of them, SIGTERM but once.
+  virtual void tell(int signal) noexcept = 0;
+};
+
+/// The family as far as a process that is not its parent knows it: the adapter's process group, and
+/// whoever holds the other end of the socket.
+class ProcessGroup : public Family {
+ public:
+  /// @param wire play's end of the socket. @param leader of the group. @throw std::system_error
+  ProcessGroup(int wire, pid_t leader);
+  bool has_ended() noexcept override;
+  void tell(int signal) noexcept override;
+  pid_t leader() const { return leader_; }
+
+ private:
+  int wire_;
+  pid_t leader_, session_;
+  FileDescriptor process_;  // which never means another process; none where it had ended already
+};
 
 /// Zero force that needs no answer. Never waits. @return whether it was sent
 bool send_zero(int wire) noexcept;
 
-/// How far it had to go.
-enum class LetGo { kConfirmed, kEndedByItself, kTerminated, kKilled };
-
-/// Steps 1 to 3. @param wire play's end of the adapter's socket. @param process of open_process().
+/// Steps 1 to 3. @param wire play's end of the adapter's socket.
 /// @param confirm_time for the first step; less where an adapter has had its time already.
-LetGo let_go(int wire, int process, std::chrono::milliseconds confirm_time = kConfirmTime) noexcept;
-
-/// Whether the process has ended, within `patience`.
-bool has_ended(int process, std::chrono::milliseconds patience) noexcept;
+/// @return whether the adapter confirmed the zero
+bool let_go(int wire, Family& family,
+            std::chrono::milliseconds confirm_time = kConfirmTime) noexcept;
 
 /// Step 4: starts `command` with --release, and kills it when it needs longer than kReleaseTime.
 /// @return whether it exited with 0

@@ -103,8 +103,9 @@ ProcessGuard::ProcessGuard(AdapterProgram program) : program_(std::move(program)
     if (answer.empty()) throw DeviceError(format("{}: its guard process does not answer", name()));
     if (answer[0] != kGuardStarted)
       throw DeviceError(format("{}: cannot be started: {}", name(), text));
-    std::from_chars(text.data(), text.data() + text.size(), adapter_);
-    process_ = open_process(adapter_);
+    pid_t adapter = -1;
+    std::from_chars(text.data(), text.data() + text.size(), adapter);
+    group_.emplace(wire_.get(), adapter);
   } catch (...) {
     socket_ = FileDescriptor();  // which ends the adapter, if there is one
     wait_for_guard();
@@ -144,7 +145,7 @@ bool ProcessGuard::end() noexcept {
   const bool acts = !receive(socket_.get(), kHeardTime).empty();
   const std::string told = acts ? receive(socket_.get(), kEndTime) : "";
   if (told.size() < 2) {  // it is dead or stands still
-    confirmed_ = let_go(wire(), process_.get()) == LetGo::kConfirmed;
+    confirmed_ = let_go(wire(), *group_);
     ::kill(guard_, SIGKILL);
     wait_for_guard();
     released_ = !confirmed_ && releases_ && release(program_.command);

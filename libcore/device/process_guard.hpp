@@ -4,6 +4,7 @@
 #include <sys/types.h>
 
 #include <chrono>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,7 +37,7 @@ class ProcessGuard {
   const std::string& name() const { return program_.name; }
   /// This program's end of the adapter's socket.
   int wire() const { return wire_.get(); }
-  pid_t adapter() const { return adapter_; }
+  pid_t adapter() const { return group_->leader(); }
   pid_t pid() const { return guard_; }
 
   /// The adapter knows --release.
@@ -61,9 +62,9 @@ class ProcessGuard {
   void wait_for_guard() noexcept;
 
   AdapterProgram program_;
-  FileDescriptor wire_, socket_, process_;
+  FileDescriptor wire_, socket_;
+  std::optional<ProcessGroup> group_;
   pid_t guard_ = -1;  // -1: it was waited for
-  pid_t adapter_ = -1;
   bool releases_ = false;
   bool ended_ = false, confirmed_ = false, released_ = false;
   char why_ = 0;

@@ -9,10 +9,10 @@ WHATS = ("KILL", "TERM", "SEGV", "STOP", "120", "500", "SPIN")
 PROMISED = {
     "play":               (100, 0, 100, 100, 100, 100, 100),
     "guard":              (10, STAYS, STAYS, STAYS, STAYS, STAYS, 100),
-    "adapter":            (20, 0, 20, 200, 120, 200, 150),
+    "adapter":            (20, 0, 20, 200, 120, 200, 350),
     "play+guard":         (100, 0, 100, 100, 100, 100, 150),
-    "play+adapter":       (20, 0, 20, 200, 120, 200, 150),
-    "guard+adapter":      (20, 0, 20, 250, 120, 250, 200),
+    "play+adapter":       (20, 0, 20, 200, 120, 200, 350),
+    "guard+adapter":      (20, 0, 20, 250, 120, 250, 500),
     "play+guard+adapter": (NEVER, 0, 20, NEVER, 120, 500, LUCK),
 }
 SLACK, LENGTH = 15, 250
@@ -58,9 +58,9 @@ def until_zero(lines, what):
     """Milliseconds from the disturbance to the first zero force behind the last force; NEVER, or STAYS."""
     (disturbed,) = [float(line.split()[1]) for line in lines if line.startswith("disturbed ")]
     assert [is_force for time, is_force in forces(lines) if time < disturbed][-1], lines[-20:]
-    # What comes 0.45 s after the disturbance is the end of the play, or what was told to go on.
+    # What comes 0.6 s after the disturbance is the end of the play, or what was told to go on.
     pause = 1e3 * int(what) if what.isdigit() else 0
-    within = [(time, is_force) for time, is_force in forces(lines) if time < disturbed + pause + 430e3]
+    within = [(time, is_force) for time, is_force in forces(lines) if time < disturbed + pause + 580e3]
     zeros = [time for time, is_force in within if time >= disturbed and not is_force]
     if zeros:
         # A play that goes on after a pause may get its force back.

@@ -26,7 +26,7 @@ cell() {
     case $who in play) victims="$victims $player" ;; guard) victims="$victims $guard" ;; adapter) victims="$victims $adapter" ;; esac
   done
   chrt -f 55 disturb $3 $victims
-  usleep 450000
+  usleep 600000
   echo "running $(kill -0 $player 2>/dev/null && echo yes)"
   kill -CONT $player $guard $adapter 2>/dev/null
   kill -TERM $player 2>/dev/null  # in the background SIGINT is ignored

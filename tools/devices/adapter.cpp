@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <iterator>
 #include <string_view>
 
 #include "libcore/base/error.hpp"
@@ -28,19 +29,21 @@ constexpr auto kIdle = 10ms;  // until the device is read again while no force c
 
 volatile sig_atomic_t told_to_end = 0;
 
+constexpr int kEnding[] = {SIGTERM, SIGINT, SIGHUP, SIGQUIT};
+
 /// Signals that end a program make it let go of its device. They only come while it waits.
 sigset_t catch_signals() {
   struct sigaction action {};
   action.sa_handler = [](int) { told_to_end = 1; };
   sigset_t caught, waiting;
   ::sigemptyset(&caught);
-  for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGQUIT}) {
+  for (const int signal : kEnding) {
     ::sigaction(signal, &action, nullptr);
     ::sigaddset(&caught, signal);
   }
   ::signal(SIGPIPE, SIG_IGN);
   ::sigprocmask(SIG_BLOCK, &caught, &waiting);
-  for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGQUIT}) ::sigdelset(&waiting, signal);
+  for (const int signal : kEnding) ::sigdelset(&waiting, signal);
   return waiting;
 }
 
@@ -64,8 +67,7 @@ void answer(Hardware& hardware, hapgrid_device_state& state, std::uint32_t numbe
 }
 
 /// From the greeting until the device was let go of.
-void serve(Hardware& hardware) {
-  const sigset_t waiting = catch_signals();
+void serve(Hardware& hardware, const sigset_t& waiting) {
   const hapgrid_device_greeting greeting = hardware.greeting();
   say(&greeting, sizeof greeting);
   hapgrid_device_state state{};
@@ -103,9 +105,10 @@ void serve(Hardware& hardware) {
 }
 
 void speak_protocol(const AdapterKind& kind, const AdapterWords& words) {
+  const sigset_t waiting = catch_signals();
   const std::unique_ptr<Hardware> hardware = kind.open(words);
   try {
-    serve(*hardware);
+    serve(*hardware, waiting);
   } catch (const std::exception&) {
     try {
       if (!told_to_end) hardware->let_go();
@@ -127,6 +130,13 @@ bool read_rate(const std::string& text, double& rate) {
 }
 
 }  // namespace
+
+bool is_told_to_end() {
+  sigset_t come;
+  ::sigpending(&come);
+  return told_to_end || std::any_of(std::begin(kEnding), std::end(kEnding),
+                                    [&](int signal) { return ::sigismember(&come, signal) == 1; });
+}
 
 int adapter_main(int argc, char** argv, const AdapterKind& kind) {
   AdapterWords words;

@@ -41,6 +41,9 @@ class Hardware {
   virtual void let_go() = 0;
 };
 
+/// Whether a signal asks the adapter to end, for a device that takes long to open.
+bool is_told_to_end();
+
 /// The words behind the options of an adapter's command line, and --rate.
 struct AdapterWords {
   std::vector<std::string> words;

@@ -39,6 +39,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
+#include <optional>
+#include <string>
 #include <system_error>
 #include <utility>
 
@@ -55,8 +57,10 @@ namespace {
 constexpr auto kSilence = 100ms, kTaken = 200ms, kLost = 500ms;  // since the last beat
 constexpr std::size_t kLongestCommand = 1 << 16;
 /// The kernel ends who computes for so long at a real-time priority and never waits: whoever spins
-/// would keep all others from its processor.
-constexpr auto kBusyGuard = 50ms, kBusyAdapter = 100ms;
+/// would keep all others from its processor. An adapter has been asked and told to let go before,
+/// by let_go.hpp, since it may compute for 0.12 s and have no --release.
+constexpr auto kBusyGuard = 50ms, kBusyAdapter = 400ms;
+static_assert(kBusyAdapter > kSilence + kConfirmTime + kTermTime);
 
 /// @param longest processor time between two waits; 0: as much as the system grants
 void limit_busy_time(std::chrono::microseconds longest) {
@@ -130,17 +134,27 @@ pid_t start(std::vector<std::string> command) {
   return adapter;
 }
 
+/// Whether a signal to a living leader's process group reaches it.
+bool is_led(pid_t pid) {
+  const pid_t group = ::getpgid(pid);
+  return group > 0 && group != ::getpgrp() && ::kill(group, 0) == 0;
+}
+
 /// A signal for each child of a process, and for their groups and children in turn.
 /// @return a number that another family has not, 0 for none
 std::uint64_t signal_family(pid_t parent, int signal) {
-  const std::string name =
-      "/proc/" + std::to_string(parent) + "/task/" + std::to_string(parent) + "/children";
-  std::FILE* const file = std::fopen(name.c_str(), "re");
+  char name[64];  // where memory is scarce, too
+  std::snprintf(name, sizeof name, "/proc/%d/task/%d/children", parent, parent);
+  std::FILE* const file = std::fopen(name, "re");
   std::uint64_t family = 0;
   for (int pid = 0; file && std::fscanf(file, "%d", &pid) == 1;) {
-    // A signal for a group reaches it as a whole: who forks meanwhile cannot escape.
+    // Whoever lets go of the device must not wait for a processor meanwhile.
+    const sched_param priority{.sched_priority = kAdapterPriority};
+    if (signal == SIGTERM) ::sched_setscheduler(pid, SCHED_FIFO | SCHED_RESET_ON_FORK, &priority);
+    // A signal for a group reaches it as a whole: who forks meanwhile cannot escape. A second
+    // SIGTERM could end who has begun to let go.
     ::kill(-pid, signal);
-    ::kill(pid, signal);
+    if (signal != SIGTERM || !is_led(pid)) ::kill(pid, signal);
     family += (std::uint64_t{1} << 40) +
               static_cast<std::uint64_t>(pid) * static_cast<std::uint64_t>(pid) +
               signal_family(pid, signal);
@@ -149,26 +163,54 @@ std::uint64_t signal_family(pid_t parent, int signal) {
   return family;
 }
 
-/// Stops all descendants until no new one appears, then kills them, and waits for their end,
-/// however long the kernel takes.
-void kill_family() {
-  std::uint64_t now = 0, before;
-  do {
-    before = std::exchange(now, signal_family(::getpid(), SIGSTOP));
-    while (::waitpid(-1, nullptr, WNOHANG) > 0) {
-    }
-  } while (now != before);
-  for (auto pause = 1ms; signal_family(::getpid(), SIGKILL) > 0;
-       pause = std::min(2 * pause, 50ms)) {
-    const auto until = Clock::now() + pause;
-    while (::waitpid(-1, nullptr, WNOHANG) > 0 || Clock::now() < until) ::usleep(200);
+/// All that descends from this process.
+class Descendants : public Family {
+ public:
+  /// @param first the adapter as it was started
+  explicit Descendants(pid_t first) : first_(first) {}
+
+  bool has_ended() noexcept override {
+    int status = 0;
+    pid_t ended;
+    while ((ended = ::waitpid(-1, &status, WNOHANG)) > 0)
+      if (ended == first_ && !told_) status_ = status;
+    return ended < 0 && errno == ECHILD;
   }
-}
+
+  void tell(int signal) noexcept override {
+    told_ = true;
+    signal_family(::getpid(), signal);
+  }
+
+  /// Stops them until no new one appears, then kills them, and waits for their end, however long
+  /// the kernel takes.
+  void kill() {
+    told_ = true;
+    std::uint64_t now = 0, before;
+    do {
+      before = std::exchange(now, signal_family(::getpid(), SIGSTOP));
+      has_ended();
+    } while (now != before);
+    for (auto pause = 1ms; signal_family(::getpid(), SIGKILL) > 0;
+         pause = std::min(2 * pause, 50ms)) {
+      const auto until = Clock::now() + pause;
+      while (!has_ended() && Clock::now() < until) ::usleep(200);
+    }
+  }
+
+  /// How the first one ended before anybody was told to; empty when it had not.
+  std::string how() const { return status_ ? how_it_ended(*status_) : ""; }
+
+ private:
+  pid_t first_;
+  bool told_ = false;
+  std::optional<int> status_;
+};
 
 class Guard {
  public:
   explicit Guard(std::vector<std::string> command)
-      : command_(std::move(command)), adapter_(start(command_)), process_(open_process(adapter_)) {}
+      : command_(std::move(command)), adapter_(start(command_)), family_(adapter_) {}
 
   pid_t adapter() const { return adapter_; }
 
@@ -228,20 +270,18 @@ class Guard {
   int end(char why) {
     limit_busy_time(0us);  // the end of a large family may take longer
     say(kGuardHeard);
-    const LetGo how = let_go(kGuardWire, process_.get(), why == kGuardDeaf ? 0ms : kConfirmTime);
-    const bool confirmed = how == LetGo::kConfirmed;
-    int status = 0;
-    const bool ended = ::waitpid(adapter_, &status, WNOHANG) == adapter_;
-    say(confirmed ? kGuardConfirmed : kGuardForced,
-        why + (how == LetGo::kEndedByItself && ended ? how_it_ended(status) : ""));
-    if (confirmed && !ended) has_ended(process_.get(), kLingerTime);
-    kill_family();
+    const auto patience = why == kGuardDeaf ? 0ms : kConfirmTime;
+    const bool confirmed = let_go(kGuardWire, family_, patience);
+    say(confirmed ? kGuardConfirmed : kGuardForced, why + family_.how());
+    const auto until = Clock::now() + kLingerTime;
+    while (confirmed && !family_.has_ended() && Clock::now() < until) ::usleep(1000);
+    family_.kill();
     return confirmed || (releases_ && release(command_)) ? 0 : 1;
   }
 
   std::vector<std::string> command_;
   pid_t adapter_;
-  FileDescriptor process_;
+  Descendants family_;
   bool armed_ = false;  // play has begun: forces may come
   bool releases_ = false;
   bool zeroed_ = false, taken_ = false;  // since the last beat
@@ -263,6 +303,6 @@ int main() {
   } catch (const std::bad_alloc&) {
     say(kGuardCannot, "out of memory");
   }
-  kill_family();
+  Descendants(-1).kill();
   return 0;
 }

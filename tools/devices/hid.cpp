@@ -4,6 +4,7 @@
 // |--------------------------------------|-------------------------------------------------------|
 // | no report for stall_ms               | the state says so, with the last position             |
 // | cut reports, reports of other kinds  | ignored; if no others come, the device is silent      |
+// | the first input does not come        | stop reports; it ends                                 |
 // | a read or write fails (unplugged)    | zero force and stop reports are tried; it ends        |
 // | no force for watchdog_ms             | zero force                                            |
 // | a write takes longer than 0.1 s      | play ends it; the kernel waits up to 5 s for a device |
@@ -38,17 +39,18 @@ Hardware::Clock::duration to_duration(double seconds) {
 
 class ProfiledDevice : public Hardware {
  public:
-  /// Opens the device, starts it, and waits for its first report, so that no position is made up.
+  /// Opens the device, starts it, and waits for its first report, so that no position is made up. A
+  /// device that may have been started is stopped before a failure is told.
   ProfiledDevice(Profile profile, const std::string& path, double rate)
       : profile_(std::move(profile)), path_(path), handle_(path), rate_(rate) {
-    for (const Profile::Literal& literal : profile_.init)
-      literal.is_feature ? handle_.set_feature(literal.report) : handle_.write(literal.report);
-    drain();  // what the kernel has kept may be old
-    heard_ = {};
-    for (const auto end = Clock::now() + kFirstInput; heard_ == Clock::time_point();) {
-      if (Clock::now() > end) throw DeviceError(path_ + ": " + no_input());
-      std::this_thread::sleep_for(1ms);
-      drain();
+    try {
+      start();
+    } catch (const std::exception&) {
+      try {
+        write_all(handle_, profile_.stop_reports());
+      } catch (const std::exception&) {  // the first failure is the one to be told
+      }
+      throw;
     }
   }
 
@@ -88,6 +90,19 @@ class ProfiledDevice : public Hardware {
   void let_go() override { write_all(handle_, profile_.stop_reports()); }
 
  private:
+  void start() {
+    for (const Profile::Literal& literal : profile_.init)
+      literal.is_feature ? handle_.set_feature(literal.report) : handle_.write(literal.report);
+    drain();  // what the kernel has kept may be old
+    heard_ = {};
+    for (const auto end = Clock::now() + kFirstInput; heard_ == Clock::time_point();) {
+      if (Clock::now() > end) throw DeviceError(path_ + ": " + no_input());
+      if (is_told_to_end()) throw Error("ended by a signal before the device's first input");
+      std::this_thread::sleep_for(1ms);
+      drain();
+    }
+  }
+
   void drain() {
     handle_.drain([&](std::span<const std::uint8_t> report) {
       // hidapi leaves out the id of a device that has none.

@@ -3,6 +3,9 @@
 import hashlib
 import os
 import re
+import stat
+
+MOST_BYTES = 64 << 30  # of a file of ours, such as a grid
 
 
 class Failed(Exception):
@@ -24,11 +27,28 @@ def write_whole(path, content):
         raise
 
 
-def read_text(path):
-    """Errors: Failed, where it is no text of UTF-8."""
+def pieces(path, most=MOST_BYTES):
+    """The content of a file from outside, a MiB at a time. Errors: Failed, where it has more than `most` bytes, and where it is
+    a device or a pipe, for which nobody would wait."""
+    with open(path, "rb", opener=lambda path, flags: os.open(path, flags | os.O_NONBLOCK | os.O_NOCTTY)) as file:
+        status = os.fstat(file.fileno())
+        if not stat.S_ISREG(status.st_mode):
+            raise Failed(f"{path}: is no regular file")
+        if status.st_size > most:
+            raise Failed(f"{path}: {status.st_size} bytes, the limit is {most}")
+        while piece := file.read(min(most, 1 << 20)):
+            most -= len(piece)
+            yield piece
+
+
+def read_bytes(path, most):
+    return b"".join(pieces(path, most))
+
+
+def read_text(path, most=1 << 30):
+    """With single line feeds. Errors: Failed, also where it is no text of UTF-8."""
     try:
-        with open(path, encoding="utf-8") as file:
-            return file.read()
+        return read_bytes(path, most).decode().replace("\r\n", "\n").replace("\r", "\n")
     except UnicodeDecodeError:
         raise Failed(f"{path}: is no text: remove it") from None
 
@@ -43,11 +63,13 @@ def remove(path):
 
 def digest(path):
     """A hash of a file's bytes, None where there is none."""
+    found = hashlib.sha256()
     try:
-        with open(path, "rb") as file:
-            return digest_of(file.read())
+        for piece in pieces(path):
+            found.update(piece)
     except FileNotFoundError:
         return None
+    return found.hexdigest()[:24]
 
 
 def digest_of(content):

@@ -93,16 +93,17 @@ def _leave_signals():
         signal.signal(number, signal.SIG_IGN)
 
 
-def run_program(words, directory, watch=None):
+def run_program(words, directory, watch=None, **given):
     """The Ran of a program that ends when this one does. directory: where it runs; watch(seconds) is called twice a second
-    while it works. Errors: FileNotFoundError"""
+    while it works; given: of Popen. Its preexec_fn, if any, calls end_with_parent(), and is for a program that may
+    not end when it is asked. Errors: FileNotFoundError"""
     if shutil.which(words[0]) is None:
         raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), words[0])
     raise_if_stopped()
     # Where this process is killed, the system asks the program to end.
-    process = subprocess.Popen(["setpriv", "--pdeathsig", "TERM", "--", *words], cwd=directory, text=True,
-                               encoding="utf-8", errors="replace", stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                               stderr=subprocess.PIPE)
+    words = words if "preexec_fn" in given else ["setpriv", "--pdeathsig", "TERM", "--", *words]
+    process = subprocess.Popen(words, cwd=directory, text=True, encoding="utf-8", errors="replace", **{
+        "stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **given})
     _running.add(process)
     began = time.monotonic()
     with process:
@@ -117,10 +118,11 @@ def run_program(words, directory, watch=None):
                     if watch:
                         watch(time.monotonic() - began)
         except BaseException:
-            process.terminate()
+            process.kill() if "preexec_fn" in given else process.terminate()
             raise
         finally:
             _running.discard(process)
     raise_if_stopped()
+    out, said = out or "", said or ""
     lines = said.strip().splitlines() or out.strip().splitlines() or [""]
     return Ran(out, process.returncode, lines[-1])

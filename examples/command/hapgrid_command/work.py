@@ -25,6 +25,7 @@ from .texts import printable_line
 
 # What a command that was killed leaves behind, its own and its filters' files.
 UNFINISHED = re.compile(r"\.(choice|room|way-|single-|records\.|hapgrid\.).*|.*\.new\.\d+")
+MOST_KEPT = 64 << 20  # bytes of a file of .work
 
 
 class Kept:
@@ -36,8 +37,7 @@ class Kept:
     def get(self, name):
         """What was kept under a name, or None."""
         try:
-            with open(os.path.join(self.directory, name + ".json"), encoding="utf-8") as file:
-                return json.load(file)
+            return json.loads(files.read_bytes(os.path.join(self.directory, name + ".json"), MOST_KEPT))
         except (FileNotFoundError, ValueError, RecursionError):
             return None
 

@@ -5,7 +5,7 @@ import math
 import os
 
 import numpy as np
-from hapgrid_command.files import Failed, digest, remove
+from hapgrid_command.files import Failed, digest, pieces, remove
 from hapgrid_table import page, readers
 from hapgrid_table.course import table_text
 from hapgrid_table.work import course
@@ -28,8 +28,7 @@ STEPS = [np.array((i, j, k)) for k in (-1, 0, 1) for j in (-1, 0, 1) for i in (-
 def run(o):
     """Everything; the line for standard output."""
     for given in (o.host, o.ligand):
-        with open(given, "rb"):  # says why, where it cannot be read
-            pass
+        next(pieces(given), None)  # says why, where it cannot be read
     options = [o.centre, o.size, o.spacing, o.map_spacing, o.torsions, o.atoms]
 
     def define(work, name):

@@ -3,7 +3,7 @@
 import os
 
 import numpy as np
-from hapgrid_command.files import Failed
+from hapgrid_command.files import Failed, read_bytes
 from hapgrid_table import readers
 
 from . import maps
@@ -14,13 +14,15 @@ OUTSIDE = 20.0  # kcal/(mol angstrom^2): an atom at a distance r from the maps h
 
 def files(path):
     """{name of a map: its file}"""
-    with open(path, encoding="utf-8", errors="replace") as file:
-        lines = file.read(1 << 20).splitlines()
+    lines = _lines(path, 1 << 20)
     labels = [line.split("#")[0].partition("=")[2].strip() for line in lines if line.startswith("label=")]
     named = [word.partition("=")[2] for line in lines if line.startswith("variable")
              for word in line.split() if word.startswith("file=")]
     if not labels or len(labels) != len(named):
         raise Failed(f"{path}: no .fld file of AutoGrid: its labels and variables are not as many")
+    strange = next((one for one in named if os.path.basename(one) != one), None)
+    if strange is not None:
+        raise Failed(f"{path}: names the file '{strange}': only files beside it are used, with plain names")
     return {LABELS.get(label, label.removesuffix("-affinity")): os.path.join(os.path.dirname(path), one)
             for label, one in zip(labels, named)}
 
@@ -40,24 +42,20 @@ def read(path, ligand):
 
 def host(path):
     """The host's atoms, for pictures: none where its file is not there."""
-    with open(path, encoding="utf-8", errors="replace") as file:
-        named = [line.split()[1] for line in file if line.startswith("#MACROMOLECULE ") and len(line.split()) == 2]
-    beside = os.path.join(os.path.dirname(path), named[0]) if named else ""
+    named = [line.split()[1] for line in _lines(path, 1 << 20) if line.startswith("#MACROMOLECULE ") and len(line.split()) == 2]
+    beside = os.path.join(os.path.dirname(path), os.path.basename(named[0])) if named else ""
     if not beside.lower().endswith(".pdbqt") or not os.path.isfile(beside):
         return []
-    with open(beside, encoding="utf-8", errors="replace") as file:
-        return maps.atoms(file.read(maps.MOST_BYTES), beside)
+    return maps.atoms("\n".join(_lines(beside, maps.MOST_BYTES)), beside)
+
+
+def _lines(path, most):
+    return read_bytes(path, most).decode("utf-8", "replace").splitlines()
 
 
 def _map(path):
-    if os.path.getsize(path) > maps.MOST_BYTES:
-        raise Failed(f"{path}: it has more than 64 MiB")
-    with open(path, encoding="utf-8", errors="replace") as file:
-        text = file.read()
-    try:
-        table = readers.read_map(text)
-    except Failed as why:
-        raise Failed(f"{path}: {why}") from None
+    data = read_bytes(path, maps.MOST_BYTES)
+    table = readers.behind_walls(path, lambda: readers.read_map(data.decode("utf-8", "replace")))
     table.values = np.nan_to_num(table.values, nan=readers.CAPPED)
     return table
 

@@ -1,10 +1,12 @@
 """What Open Babel and AutoGrid, both of Debian, make of a host and a ligand."""
 
 import os
+import tempfile
 
 import numpy as np
-from hapgrid_command.files import Failed
-from hapgrid_table import course
+from hapgrid_command import confined
+from hapgrid_command.files import Failed, read_bytes, read_text, write_whole
+from hapgrid_table import course, readers
 
 from . import pqr
 
@@ -12,29 +14,24 @@ MOST_HOST, MOST_LIGAND = 20_000, 200  # atoms
 MOST_BY_ATOMS = 500  # of a host without maps (ligand.hpp)
 MOST_REMARKS = 2000  # lines
 MOST_BYTES = 64 << 20
+MOST_AUTOGRID = 7200  # seconds of CPU time: twenty thousand atoms and the largest maps need minutes
 MOST_CELLS = 126  # of a map along an axis: AutoGrid has no more
 
 
 def pdbqt(work, given, name, most):
     """Writes NAME.pdbqt from a file that Open Babel reads."""
-    if os.path.getsize(given) > MOST_BYTES:
-        raise Failed(f"{given}: it has more than 64 MiB")
-    with open(given, encoding="utf-8", errors="replace") as file:
-        text = file.read()
-    if given.lower().endswith(".pdbqt"):
-        work.write(f"{name}.pdbqt", text)
-    else:
+    stem, kind = os.path.splitext(given.lower())
+    data = read_bytes(given, MOST_BYTES)
+    if kind == ".gz":
+        kind, data = os.path.splitext(stem)[1], readers.inflated(data, 31, MOST_BYTES)
+    text = data.decode("utf-8", "replace").replace("\r\n", "\n").replace("\r", "\n")
+    if kind != ".pdbqt":
         lines = text.splitlines()
         counted = sum(line.startswith(("ATOM", "HETATM")) for line in lines) or len(lines) - MOST_REMARKS
         if counted > 4 * most:  # what follows would need minutes to say so; hydrogens of carbon go into their atoms
             raise Failed(f"{given}: it has more than {most:,} atoms")
-    if given.lower().endswith(".pqr"):
-        work.write(f"{name}.pdbqt", pqr.pdbqt(text, given))
-    elif not given.lower().endswith(".pdbqt"):
-        charges = [] if given.lower().endswith(".mol2") else ["--partialcharge", "gasteiger"]
-        rigid = ["-xr"] if name == "host" else []
-        out = work.path(f"{name}.pdbqt")
-        work.run(["obabel"], os.path.abspath(given), "-O", os.path.abspath(out), *rigid, *charges, package="openbabel")
+        text = pqr.pdbqt(text, given) if kind == ".pqr" else _converted(given, data, kind, name)
+    work.write(f"{name}.pdbqt", text)
     _keep_first(work, given, f"{name}.pdbqt")
     found = atoms(work.read(f"{name}.pdbqt"), given)
     if not found:
@@ -47,6 +44,16 @@ def pdbqt(work, given, name, most):
     if len(found) > 1 and not np.ptp([place for _, place, _ in found], axis=0).any():
         raise Failed(f"{given}: all atoms lie at one place: `obabel --gen3d` makes coordinates")
     return found
+
+
+def _converted(given, data, kind, name):
+    """What Open Babel makes of a file's content."""
+    charges = [] if kind == ".mol2" else ["--partialcharge", "gasteiger"]
+    rigid = ["-xr"] if name == "host" else []
+    ran = confined.program(["obabel", f"-i{kind[1:]}", "-opdbqt", *rigid, *charges], given, "openbabel", data)
+    if ran.code != 0:
+        raise Failed(f"{given}: {ran.fault('obabel')}")
+    return ran.out
 
 
 def _keep_first(work, given, name):
@@ -88,7 +95,7 @@ def reach(ligand, text, bends):
     pieces, opened, numbers = [[]], [0], {}
     for line in text.splitlines():
         if line.startswith("BRANCH"):
-            pieces.append([numbers.get(line.split()[1], 0)])
+            pieces.append([numbers.get("".join(line.split()[1:2]), 0)])
             opened.append(len(pieces) - 1)
         elif line.startswith("ENDBRANCH") and len(opened) > 1:
             opened.pop()
@@ -119,15 +126,21 @@ def compute(work, host, ligand, low, high, spacing):
         "receptor host.pdbqt", "gridcenter " + " ".join(f"{c:.3f}" for c in (low + high) / 2), "smooth 0.5",
         *(f"map host.{kind}.map" for kind in kinds), "elecmap host.e.map", "dsolvmap host.d.map",
         "dielectric -0.1465"]) + "\n")
-    try:
-        work.run(["autogrid4"], "-p", "host.gpf", "-l", "host.glg", package="autogrid, or give --atoms, for a small host")
-    except Failed as why:
-        if not os.path.exists(work.path("host.glg")):
-            raise
-        with open(work.path("host.glg"), encoding="utf-8", errors="replace") as file:
-            wrong = [line.strip() for line in file if "ERROR" in line]
-        raise Failed("autogrid4: " + (wrong[0].removeprefix("autogrid4: ") if wrong else str(why))) from None
-    return ["host.gpf", "host.glg", "host.maps.fld", *(f"host.{name}.map" for name in [*kinds, "e", "d"])]
+    made = ["host.glg", "host.maps.fld", "host.maps.xyz", *(f"host.{name}.map" for name in [*kinds, "e", "d"])]
+    with tempfile.TemporaryDirectory(prefix=".room", dir=work.directory) as room:
+        # Of the host AutoGrid gets what it needs, in lines that are not too long.
+        atoms = "".join(line[:79] + "\n" for line in work.read("host.pdbqt").splitlines() if line.startswith(("ATOM", "HETATM")))
+        write_whole(os.path.join(room, "host.pdbqt"), atoms)
+        write_whole(os.path.join(room, "host.gpf"), work.read("host.gpf"))
+        ran = confined.program(["autogrid4", "-p", "host.gpf", "-l", "host.glg"], "host.pdbqt", "autogrid, or give --atoms, for a small host",
+                               folder=room, cpu_seconds=MOST_AUTOGRID)
+        texts = {name: read_text(os.path.join(room, name)) for name in made if os.path.lexists(os.path.join(room, name))}
+    wrong = [line.strip() for line in texts.get("host.glg", "").splitlines() if "ERROR" in line]
+    if ran.code != 0 or len(texts) < len(made):
+        raise Failed("autogrid4: " + (wrong[0].removeprefix("autogrid4: ") if wrong else ran.fault("autogrid4")))
+    for name, text in texts.items():
+        work.write(name, text)
+    return ["host.gpf", *made]
 
 
 def write(work, names, tables, host, low, high):

@@ -1,8 +1,5 @@
 """A molecule, its force field, and sampling its conformers, with RDKit."""
 
-import os
-import stat
-
 import numpy as np
 from hapgrid_command.files import Failed
 from rdkit import Chem, RDLogger
@@ -134,17 +131,6 @@ def neighbours_of(rd):
 
 def is_flat(x):
     return len(x) > 3 and np.ptp(x[:, 2]) < 0.01
-
-
-def read_bytes(path):
-    """The content of a file from outside. A device or a pipe, which might never end, is refused."""
-    with open(path, "rb", opener=lambda path, flags: os.open(path, flags | os.O_NONBLOCK | os.O_NOCTTY)) as file:
-        status = os.fstat(file.fileno())
-        if not stat.S_ISREG(status.st_mode):
-            raise BadInput(f"{path}: is no regular file")
-        if status.st_size > MOST_BYTES:
-            raise BadInput(f"{path}: {status.st_size} bytes, the limit is {MOST_BYTES}")
-        return file.read(MOST_BYTES)
 
 
 def conformers(molecule, number):

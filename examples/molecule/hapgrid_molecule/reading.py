@@ -6,15 +6,18 @@ from collections import Counter
 from dataclasses import replace
 
 import numpy as np
+from hapgrid_command import confined
+from hapgrid_command.files import read_bytes
 from rdkit import Chem
 from rdkit.Chem import rdMolDescriptors
 
 from . import molecule as prepared
-from . import building, confined, formats, geometry, valences, xyz
+from . import building, formats, geometry, valences, xyz
 from .elements import MASSES, SYMBOLS
 from .formats import check_count
 from .molecule import BadInput, Molecule, is_flat, listed, numbers_of, places_of, signed
 
+ADVICE = "the file is damaged or too complicated: give it in another format, or --smiles"
 LEAST_DISTANCE = 0.5  # angstrom
 TRIPLE = 0.85  # of the sum of the covalent radii: a carbon whose only bond is longer has no triple bond
 # The last has too many neighbours to lie in a plane with them.
@@ -28,12 +31,12 @@ def read(path, smiles, charge=None, unpaired=None):
         kind = formats.KINDS.get(os.path.splitext(path)[1][1:].lower())
         if kind is None:
             raise BadInput(f"{path}: not an .sdf, .mol, .mol2, .pdb or .xyz file")
-        content = prepared.read_bytes(path)
+        content = read_bytes(path, prepared.MOST_BYTES)
 
     def work():
         given = formats.smiles(smiles) if smiles is not None else formats.read(formats.decoded(content, path), path, kind)
         return _one(given, charge, unpaired)
-    one = Molecule(what, **confined.run(work, what))
+    one = Molecule(what, **confined.run(work, what, ADVICE))
     electrons = sum(one.numbers) - one.charge
     if electrons < max(1, one.unpaired) or (electrons - one.unpaired) % 2:
         raise BadInput(f"{what}: {electrons} electrons with charge {signed(one.charge)} do not go with {one.unpaired} unpaired ones: "
@@ -51,14 +54,14 @@ def sdf(one):
 
 def started(path):
     """The molecule of what sdf() wrote, changed by hand or not."""
-    content = prepared.read_bytes(path)
+    content = read_bytes(path, prepared.MOST_BYTES)
 
     def work():
         text = formats.decoded(content, path)
         mol = formats.read(text, path, "sdf").records[0].mol
         _check(places_of(mol), path)
         return [_plain(mol), dict(word.split("=", 1) for word in text.split("\n", 1)[0].split() if "=" in word)]
-    plain, words = confined.run(work, path)
+    plain, words = confined.run(work, path, ADVICE)
     try:
         charge, unpaired = int(words.get("charge", sum(plain["charges"]))), int(words.get("unpaired", 0))
     except ValueError:
@@ -71,11 +74,12 @@ def ensemble(path):
     nothing of another file, and where it is one frame, or several molecules."""
     if not path or not path.lower().endswith(".xyz"):
         return []
+    content = read_bytes(path, prepared.MOST_BYTES)
 
     def work():
-        frames = xyz.frames_of(formats.decoded(prepared.read_bytes(path), path), path)
+        frames = xyz.frames_of(formats.decoded(content, path), path)
         return [(k + 1, frames[k].x.tolist()) for k in formats.lowest_first(frames)[0]]
-    return [(number, np.array(x)) for number, x in confined.run(work, path)]
+    return [(number, np.array(x)) for number, x in confined.run(work, path, ADVICE)]
 
 
 def _one(given, charge, unpaired):

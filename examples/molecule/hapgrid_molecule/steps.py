@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from hapgrid_command.files import Failed, digest_of
+from hapgrid_command.files import Failed, digest_of, read_bytes
 from hapgrid_command.work import Work, about
 
 from . import files, geometry, grids, molecule, optimise, page, pushing, reading, rotors, singles, structures
@@ -85,7 +85,7 @@ def read(o):
         kept.enter()
         kept.write("start.sdf", reading.sdf(one))
         return ["start.sdf"]
-    text = digest_of(molecule.read_bytes(o.file)) if o.file else o.smiles
+    text = digest_of(read_bytes(o.file, molecule.MOST_BYTES)) if o.file else o.smiles
     kept.step("molecule", "", [], [text, o.charge, o.uhf], compute)
     one, method = reading.started(kept.path("start.sdf")), o.method
     if method == "auto":

@@ -1,10 +1,9 @@
 """The course of a table from its file to the page."""
 
 import math
-import os
 
 import numpy as np
-from hapgrid_command.files import Failed, digest
+from hapgrid_command.files import Failed, digest, pieces
 
 from . import page, readers
 from .work import course
@@ -15,9 +14,7 @@ TICKS = 4000  # of the way there, and as many back: at 1 kHz a few seconds
 
 def run(o):
     """Everything; the line for standard output."""
-    if not os.path.isfile(o.file):
-        with open(o.file, "rb"):  # says why, where it is no file at all
-            raise Failed(f"{o.file}: is no file")
+    next(pieces(o.file), None)  # says why, where it cannot be read
     if o.factor == 0:
         raise Failed("--factor 0 leaves nothing to feel")
     return course("table", o, lambda work, name: _define(o, work, name), _page)

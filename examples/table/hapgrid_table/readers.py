@@ -10,7 +10,8 @@ import zlib
 from dataclasses import dataclass, field
 
 import numpy as np
-from hapgrid_command.files import Failed
+from hapgrid_command import confined
+from hapgrid_command.files import Failed, read_bytes
 
 BOHR = 0.529177210903  # angstrom, CODATA 2018
 MOST_VALUES = 16 << 20
@@ -41,17 +42,25 @@ def read(path, array=None):
     kind = os.path.splitext(name[:-3] if packed else name)[1]
     if kind not in READERS:
         raise Failed(f"{path}: only .map, .dx, .cube and .vti are known, and each with .gz behind it")
-    with open(path, "rb") as file:
-        data = file.read(MOST_BYTES + 1)
-    try:
-        if packed:
-            data = _inflated(data, 31)
-        if len(data) > MOST_BYTES:
-            raise Failed("it has more than 1 GiB")
-        table = read_vti(data, array) if kind == ".vti" else READERS[kind](_text(data))
-        return _checked(table)
-    except Failed as why:
-        raise Failed(f"{path}: {why}") from None
+    data = read_bytes(path, MOST_BYTES)
+
+    def parsed():
+        content = inflated(data, 31) if packed else data
+        return _checked(read_vti(content, array) if kind == ".vti" else READERS[kind](_text(content)))
+    return behind_walls(path, parsed)
+
+
+def behind_walls(path, parsed):
+    """The Table that parsed() makes of a file."""
+    def plain():
+        try:
+            table = parsed()
+        except Failed as why:
+            raise Failed(f"{path}: {why}") from None
+        return {**vars(table), "atoms": [[symbol for symbol, _ in table.atoms], np.array([x for _, x in table.atoms]).reshape(-1, 3)]}
+    table = Table(**confined.run(plain, path))
+    table.atoms = list(zip(*table.atoms))
+    return table
 
 
 def _text(data):
@@ -60,7 +69,7 @@ def _text(data):
     return data.decode("utf-8", "replace")
 
 
-def _inflated(data, wbits, most=MOST_BYTES):
+def inflated(data, wbits, most=MOST_BYTES):
     try:
         unpacker = zlib.decompressobj(wbits)
         out = unpacker.decompress(data, most)
@@ -114,8 +123,12 @@ def _count(words, what):
     if len(counts) != 3 or min(counts) < 1:
         raise Failed(f"{what}: three counts above zero are due")
     if math.prod(counts) > MOST_VALUES:
-        raise Failed(f"{math.prod(counts):,} values are too many: at most {MOST_VALUES:,}")
+        raise Failed(f"{_many(math.prod(counts))} values are too many: at most {MOST_VALUES:,}")
     return counts, math.prod(counts)
+
+
+def _many(n):
+    return f"{n:,}" if n < 10**15 else "over 10^15"
 
 
 # AutoGrid
@@ -167,7 +180,7 @@ def read_dx(text):
     if total != [str(expected)]:
         raise Failed(f"its positions are {expected:,}, and its array has {' '.join(total) or 'no'} items")
     rest = "\n".join(lines[begin:])
-    end = re.search(r"^\s*(attribute|object|component)\b", rest, re.MULTILINE)
+    end = re.search(r"^[ \t]*(attribute|object|component)\b", rest, re.MULTILINE)
     values = _numbers(rest[:end.start()] if end else rest, expected)
     return Table(values.reshape(counts), origin, np.array(deltas))
 
@@ -204,13 +217,13 @@ def read_cube(text):
     body = rest[atoms]
     if orbital:  # a line, perhaps more, with how many orbitals there are, and their numbers
         words = body.split(None, 1)
-        each = int(words[0]) if words and words[0].isdigit() else 0
+        each = int(words[0]) if words and re.fullmatch("[0-9]{1,4}", words[0]) else 0
         words = body.split(None, each + 1)
         if each < 1 or len(words) < each + 2:
             raise Failed("the list of its orbitals is not understood")
         body = words[-1]
     if not 1 <= each <= 1000 or each * total > MOST_VALUES:
-        raise Failed(f"{each} values a point are too many")
+        raise Failed(f"{_many(each)} values a point are too many")
     values = _numbers(body, total * each).reshape([*counts, each])[..., 0]
     notes = [f"it has {each} values a point: the first is taken"] if each > 1 else []
     return Table(np.array(values), np.array(head[0][1:4]) * unit, np.array([row[1:] for row in head[1:]]) * unit,
@@ -225,13 +238,17 @@ _TYPES = {"Int8": "i1", "UInt8": "u1", "Int16": "i2", "UInt16": "u2", "Int32": "
 
 def read_vti(data, wanted=None):
     """Image data of one piece with values at points: as text, base64 or raw bytes, perhaps with zlib."""
-    if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
-        raise Failed("no VTK image: it defines entities of XML")
-    appended, raw = re.search(rb"<AppendedData[^>]*>\s*_", data), b""
+    tag = data.find(b"<AppendedData")
+    appended, raw = re.compile(rb"\s*_").match(data, data.find(b">", tag) + 1) if tag > 0 else None, b""
     if appended:  # raw bytes are no XML: they end with the last </AppendedData>
         end = data.rfind(b"</AppendedData>")
         raw = data[appended.end():end if end > 0 else len(data)]
         data = data[:appended.end() - 1] + b"</AppendedData></VTKFile>"
+    encoding = re.match(rb"\s*<\?xml[^>]{0,99}encoding\s*=\s*.([\w.-]*)", data)
+    if b"\0" in data or encoding and encoding[1].lower() not in (b"utf-8", b"us-ascii", b"ascii", b"iso-8859-1"):
+        raise Failed("no VTK image: it is not written in UTF-8")
+    if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
+        raise Failed("no VTK image: it defines entities of XML")
     try:
         root = xml.fromstring(data)
     except (xml.ParseError, ValueError) as why:
@@ -342,7 +359,7 @@ def _blocks(stream, head, most):
     packed = stream.take(sum(sizes))
     out, at = [], 0
     for length in sizes:
-        out.append(_inflated(packed[at:at + length], 15, size + 1))
+        out.append(inflated(packed[at:at + length], 15, min(size, most) + 1))
         at += length
     return b"".join(out)
 

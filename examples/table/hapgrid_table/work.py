@@ -5,7 +5,7 @@ import tomllib
 
 from hapgrid_command import grid as grids
 from hapgrid_command.cli import BreaksRule
-from hapgrid_command.files import Failed
+from hapgrid_command.files import Failed, is_plain
 from hapgrid_command.work import Work as Folder
 
 VERIFY_SHARE = 0.6  # about, of what the search took, when that took long
@@ -61,10 +61,13 @@ class Work(Folder):
         self.step("verify", title, [grid], [], verify)
 
     def inputs_of(self, toml):
-        """The files that a definition names, changed by hand or not."""
+        """The files that a definition names, changed by hand or not. Errors: Failed, where one is not beside it."""
         try:
             files = tomllib.loads(self.read(toml))["model"].get("files", {})
         except (tomllib.TOMLDecodeError, KeyError, AttributeError):
             return []  # seed says what is wrong
         names = [name for one in files.values() for name in (one if isinstance(one, list) else [one])]
-        return [name for name in names if isinstance(name, str)]
+        strange = next((name for name in names if not is_plain(name)), None)
+        if strange is not None:
+            raise Failed(f"{self.path(toml)}: names the file '{strange}': only files beside it are used, with plain names")
+        return names

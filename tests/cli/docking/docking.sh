@@ -112,6 +112,26 @@ refuses 'dock: far.pqr: a hydrogen has no neighbour within 1.45 angstrom' -- hap
 sed 's/0.6000/x/' pair.pqr >word.pqr
 refuses 'dock: word.pqr: no PQR: an atom has no place or charge' -- hapgrid dock word.pqr "$ligand" -o out -q
 
+# Files of strangers: one at which Open Babel crashes, and names of what never ends.
+cp "$HAPGRID_SOURCE/tests/cli/molecule/inputs/crash-v3000.sdf" crash.sdf
+refuses 'dock: crash.sdf: obabel: ended by SIGSEGV' -- hapgrid dock "$host" crash.sdf -o out -q
+mkfifo pipe.mol2 usual/pipe
+sed 's|file=host.C.map|file=pipe|' usual/host.maps.fld >usual/pipe.fld
+sed 's|file=host.C.map|file=/dev/zero|' usual/host.maps.fld >usual/zero.fld
+for name in pipe.mol2 /dev/zero; do
+  refuses "dock: $name: is no regular file" -- timeout 20 hapgrid dock "$name" "$ligand" -o out -q
+  refuses "dock: $name: is no regular file" -- timeout 20 hapgrid dock "$host" "$name" -o out -q
+done
+refuses 'dock: usual/pipe: is no regular file' -- timeout 20 hapgrid dock usual/pipe.fld usual/ligand.pdbqt -o out -q
+refuses "dock: usual/zero.fld: names the file '/dev/zero': only files beside it are used, with plain names" -- \
+  timeout 20 hapgrid dock usual/zero.fld usual/ligand.pdbqt -o out -q
+sed '/^ENDROOT/a BRANCH' usual/ligand.pdbqt >bare.pdbqt
+refuses 'dock: .*' -- hapgrid dock "$host" bare.pdbqt -o out --torsions 2 -q
+! grep -q Traceback "$work/got/err" || fail "$(cat "$work/got/err")"
+gzip -c "$host" >host.mol2.gz
+hapgrid dock host.mol2.gz "$ligand" -o packed --centre 0,0,3 --size 0.5,0.5,0.5 --atoms --until definition -q
+cmp usual/host.pdbqt packed/host.pdbqt
+
 refuses 'dock: gone.mol2: No such file or directory' -- hapgrid dock gone.mol2 "$ligand" -o out -q
 echo nothing >nothing.pdbqt
 refuses 'dock: nothing.pdbqt: no atoms are found in it: .*' -- hapgrid dock nothing.pdbqt "$ligand" -o out -q

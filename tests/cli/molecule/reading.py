@@ -6,14 +6,17 @@ they do to the libraries. FOLDER has the code."""
 import ctypes
 import os
 import random
+import signal
 import socket
 import subprocess
 import sys
 
 sys.path.insert(0, sys.argv[1])
-from hapgrid_molecule import confined, molecule, reading
+import hapgrid_molecule  # finds what all commands share
+from hapgrid_command import confined
+from hapgrid_command.files import Failed
+from hapgrid_molecule import molecule, reading
 from hapgrid_molecule.elements import SYMBOLS
-from hapgrid_molecule.molecule import BadInput
 import numpy as np
 from openbabel import openbabel
 from rdkit import Chem
@@ -44,7 +47,7 @@ def read():
         options = {key: int(value) for key, value in (word.split("=") for word in options.split())}
         try:
             one = reading.read(name, None, **options)
-        except BadInput as why:
+        except Failed as why:
             assert expected == "refused" and str(why) == f"{name}: {said}", f"{name}: refused: {why}"
             continue
         got = f"{one.formula} {one.charge} {one.unpaired} {'built' if one.built else 'as-given'}"
@@ -96,7 +99,7 @@ def groups():
             try:
                 reading.read(path, None)
                 raise AssertionError(f"{smiles}: read without its charge")
-            except BadInput as why:
+            except Failed as why:
                 assert f"{one.charge:+d}" in str(why), f"{smiles}: {why}"
         two = reading.read(path, None, one.charge or None)
         assert two.charge == one.charge and forms(one.rd) & forms(two.rd), f"{smiles}: {Chem.MolToSmiles(two.rd)}"
@@ -119,7 +122,7 @@ def groups():
         try:
             reading.read(None, smiles, charge)
             raise AssertionError(f"{smiles} {charge}")
-        except BadInput as got:
+        except Failed as got:
             assert str(got).startswith(f"SMILES '{smiles}': {why}"), got
     assert reading.read(None, "c1cc[nH]c1", 1, 1).formula == "C4H5N+"
     # With --charge and --uhf both given the bonds need not fit; no force field knows such a molecule, which then stays as it is.
@@ -156,7 +159,7 @@ def build():
         try:
             reading.read(None, smiles)
             raise AssertionError(smiles)
-        except BadInput as got:
+        except Failed as got:
             assert str(got) == f"SMILES '{smiles}': {why}", got
     assert reading.read(None, "[CH2]", unpaired=2).unpaired == 2
     # What MMFF94 has no parameters for, what has nothing to search, and five bonds or six.
@@ -169,9 +172,23 @@ def build():
 def one_line(function):
     try:
         confined.run(function, "file")
-    except BadInput as why:
+    except Failed as why:
         return str(why)
     raise AssertionError("not refused")
+
+
+def taken_over(answer):
+    """A reader that answers what is not its answer."""
+    pipe = max(filter(is_open, range(3, 99)))
+    os.write(pipe, len(answer).to_bytes(4, "big") + answer)
+    os._exit(0)
+
+
+def is_open(n):
+    try:
+        return os.fstat(n) is not None
+    except OSError:
+        return False
 
 
 def hostile():
@@ -181,7 +198,11 @@ def hostile():
     assert "Operation not permitted" in one_line(socket.socket)
     assert "Operation not permitted" in one_line(lambda: subprocess.run(["/bin/true"]).returncode)
     assert "more than 4 GiB of memory" in one_line(lambda: len(bytearray(8 << 30)))
-    assert "File too large" in one_line(lambda: os.write(os.open(f"{os.environ['work']}/new", os.O_CREAT | os.O_WRONLY), b"x"))
+    assert "its reader was killed, perhaps for want of memory: " in one_line(lambda: signal.raise_signal(signal.SIGKILL))
+    for answer in (b"5", b'{"refused": {}, "value": 5}', b"[" * 1000000, b'{"value": {"array": [-1]}}', b'{"value": {"array": [1e999]}}',
+                   b'{"value": {"array": [9, 99999999]}}', b'{"value": {"array": [3]}}', b'{"value"'):
+        assert "its reader crashed" in one_line(lambda: taken_over(answer)), answer
+    assert one_line(lambda: taken_over(b'{"refused": 5}')) == "5"
     assert "not understood: maximum recursion" in one_line(lambda: (f := lambda: f())())
     confined.CPU_SECONDS = 1
     assert "reading it takes too long" in one_line(lambda: [None for _ in iter(int, 1)])
@@ -203,7 +224,7 @@ def hostile():
             one = reading.read(path, None)
             outcomes["read"] += 1
             assert np.isfinite(one.positions).all()
-        except BadInput as why:
+        except Failed as why:
             outcomes["refused"] += 1
             assert "\n" not in str(why), why
     assert min(outcomes.values()) > 10, outcomes

@@ -2,6 +2,8 @@
 
     adapter.py RECORD MODE [AT] [--release]   MODE: a name below; AT: the force at which it begins (default 150)
 
+With "daemon-" before MODE it goes to the background. Of "script-" last_word.py makes a script that starts it.
+
 RECORD gets a line for each event, behind the time (CLOCK_MONOTONIC, s): "pid N", "force X END", "fault", "let-go" on
 SIGTERM, "release"."""
 import os
@@ -13,7 +15,7 @@ import sys
 import time
 
 record = os.open(sys.argv[1], os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o666)
-mode = sys.argv[2]
+kind, _, mode = sys.argv[2].rpartition("-")
 at = int(sys.argv[3]) if sys.argv[3:4] not in ([], ["--release"]) else 150
 END, RELEASES, SHARES = 1, 1, 4
 forces = struct.Struct("<3d2I")
@@ -81,6 +83,7 @@ first = {
     "pointlike": lambda: greeting(low=(0,) * 3, high=(0,) * 3),
     "steers": lambda: greeting(flags=2, low=(-1,) * 3, high=(1, 1, 0.5)),
     "unable": lambda: greeting(flags=0),
+    "plain": lambda: greeting(flags=SHARES),
     "silent": lambda: greeting(flags=2, low=(-1,) * 3, high=(1,) * 3),
     "other": lambda: b"x" * 128,
     "short": lambda: greeting()[:100],
@@ -121,6 +124,10 @@ later = {
 if sys.argv[-1] == "--release":
     note("release")
     sys.exit(0)
+if kind == "daemon":
+    if os.fork() != 0:
+        os._exit(0)
+    os.setsid()
 note("pid", os.getpid())
 
 

@@ -159,6 +159,7 @@ def _(device, adapter):
 
 
 # What cannot be opened says why, in a line.
+open("started.toml", "w").write(open(PROFILE).read().replace("[reports]", '[reports]\ninit = ["00 48 01"]'))
 TWO = TEENSY + "\n" + TEENSY.replace("hidraw7", "hidraw8").replace("0486\t", "0486\t5678")
 for info, refuses, silent, why in [
         (TEENSY, "busy", False, "/dev/hidraw7: cannot be opened: busy"),
@@ -170,7 +171,16 @@ for info, refuses, silent, why in [
     device.refuses, device.is_silent = refuses, silent
     error = Adapter(PROFILE).error()
     assert error == why, (error, why)
+    # What the profile's init reports may have switched on is switched off.
+    assert last(device) == ([0, "stop"] if silent else []), device.written
     device.end()
+device = Device()
+device.is_silent = True
+adapter = Adapter("started.toml")
+wait(lambda: device.written, "the init report")
+adapter.process.terminate()
+assert adapter.error() == "ended by a signal before the device's first input" and last(device) == [0, "stop"], device.written
+device.end()
 device = Device(SPACEMOUSE.replace("256f", "1234"))
 error = Adapter(program="hapgrid-spacemouse").error()
 assert error == "there is no SpaceMouse (play --list-devices shows what there is)", error

@@ -44,14 +44,19 @@ def resting_place(pid, thread):
     return None
 
 
-def make_spin(pid, places):
+def make_spin(pid, places, code=b"\xeb\xfe"):
+    """@return what was there before"""
+    before = code
     try:
         with open(f"/proc/{pid}/mem", "r+b", buffering=0) as memory:
             for place in filter(None, places):
                 memory.seek(place)
-                memory.write(b"\xeb\xfe")
+                before = memory.read(len(code))
+                memory.seek(place)
+                memory.write(code)
     except (FileNotFoundError, ProcessLookupError):
         pass  # it has ended
+    return before
 
 
 def spin(pids):
@@ -69,6 +74,16 @@ def spin(pids):
         make_spin(pid, found[pid])
 
 
+def compute(pids):
+    """An adapter that computes for 0.13 s and goes on."""
+    place = resting_place(pids["adapter"], pids["adapter"])
+    if place is None:
+        raise Busy
+    before = make_spin(pids["adapter"], [place])
+    time.sleep(0.13)
+    make_spin(pids["adapter"], [place], before)
+
+
 NEVER, STAYS = "never", "stays"
 REAL_TIME = subprocess.run(["chrt", "-f", "46", "true"], stderr=subprocess.DEVNULL).returncode == 0
 # The table of examples/devices/README.md: by who, the seconds until zero force after KILL, TERM, SEGV, STOP, a pause of
@@ -77,20 +92,36 @@ WHATS = [signal.SIGKILL, signal.SIGTERM, signal.SIGSEGV, signal.SIGSTOP, 0.12, 0
 TABLE = {
     "play":               (0.1, 0, 0.1, 0.1, 0.1, 0.1, 0.1),
     "guard":              (0.02, STAYS, STAYS, STAYS, STAYS, STAYS, 0.1),
-    "adapter":            (0.05, 0, 0.05, 0.2, 0.12, 0.2, 0.15),
+    "adapter":            (0.05, 0, 0.05, 0.2, 0.12, 0.2, 0.35),
     "play guard":         (0.1, 0, 0.1, 0.1, 0.1, 0.1, 0.15),
-    "play adapter":       (0.05, 0, 0.05, 0.2, 0.12, 0.2, 0.15),
-    "guard adapter":      (0.05, 0, 0.05, 0.25, 0.12, 0.25, 0.2),
+    "play adapter":       (0.05, 0, 0.05, 0.2, 0.12, 0.2, 0.35),
+    "guard adapter":      (0.05, 0, 0.05, 0.25, 0.12, 0.25, 0.5),
     "play guard adapter": (NEVER, 0, 0.05, NEVER, 0.12, 0.5, NEVER),
 }
 if not REAL_TIME:  # the kernel ends nobody who spins; a processor is shared
     TABLE = {who: (*row[:6], STAYS if who == "guard" else NEVER if row[6] == NEVER else 0.5) for who, row in TABLE.items()}
 
 
+# Adapters that compute, that a script has started, or that went to the background: with --release ("good") and without. No
+# cell of these is NEVER: each of them can let go.
+KINDS = {
+    "": {("adapter", compute): 0.15},
+    "script-": {("play", signal.SIGKILL): 0.1, ("play", signal.SIGTERM): 0, ("guard", signal.SIGKILL): 0.02,
+                ("adapter", signal.SIGSTOP): 0.2, ("adapter", 0.25): 0.2, ("guard adapter", 0.25): 0.25},
+    "daemon-": {("play", signal.SIGKILL): 0.1, ("play", signal.SIGTERM): 0, ("guard", signal.SIGKILL): 0.02,
+                ("adapter", signal.SIGSTOP): 0.2, ("adapter", 0.25): 0.2},
+}
+
+
 def started(cores, mode="good", options=()):
     """A play that pushes, and the process ids of the three."""
-    play = Play(mode, "1000000000", options=["--set", "safety.ramp=20", *options],
+    words = f"record.{next(numbers)} {mode} 1000000000"
+    if mode.startswith("script-"):
+        open("start.sh", "w").write(f'/usr/bin/python3 {ADAPTER} "$@"\nexit $?\n')
+    command = f"sh start.sh {words}" if mode.startswith("script-") else f"/usr/bin/python3 {ADAPTER} {words}"
+    play = Play(mode, command=command, options=["--set", "safety.ramp=20", *options],
                 wrapper=["taskset", "-c", "0"] if cores == 1 else [])
+    play.record = words.split()[0]
     try:
         play.await_force()
     except AssertionError as error:
@@ -99,7 +130,10 @@ def started(cores, mode="good", options=()):
         raise
     (_, adapter), = play.events("pid")
     try:
-        return play, {"play": play.process.pid, "guard": parent(adapter), "adapter": int(adapter)}
+        guard = parent(adapter)
+        while open(f"/proc/{guard}/comm").read() != "hapgrid-guard\n":
+            guard = parent(guard)
+        return play, {"play": play.process.pid, "guard": guard, "adapter": int(adapter)}
     except FileNotFoundError as error:  # play has given it up
         raise Busy from error
 
@@ -107,8 +141,8 @@ def started(cores, mode="good", options=()):
 def disturb(victims, what):
     """@param victims process ids by name"""
     pids = victims.values()
-    if what is spin:
-        spin(victims)
+    if callable(what):
+        what(victims)
     elif isinstance(what, float):
         tell(pids, signal.SIGSTOP)
         time.sleep(what)
@@ -132,9 +166,9 @@ def goes_on(play, cell, begin):
     assert not play.events("let-go") and not play.events("release"), cell
 
 
-def case(who, what, cores, limit):
-    cell = f"{who} {getattr(what, '__name__', what)}, {cores} cores"
-    play, pids = started(cores)
+def case(who, what, cores, limit, mode="good"):
+    cell = f"{who} {getattr(what, '__name__', what)}, {cores} cores, {mode}"
+    play, pids = started(cores, mode)
 
     def let_go():
         return [t for t, x, *_ in play.events("force") if t > begin and float(x) == 0] + [
@@ -189,12 +223,14 @@ def patiently(case, *cell):
 
 def table_on(cores):
     cells = [(who, what, cores, limit) for who, row in TABLE.items() for what, limit in zip(WHATS, row)]
-    at_once(patiently, [(case, *cell) for cell in cells if cell[1] is not spin])
+    cells += [(*cell, cores, limit, kind + mode) for kind, row in KINDS.items() for cell, limit in row.items()
+              for mode in ("good", "plain")]
+    at_once(patiently, [(case, *cell) for cell in cells if not callable(cell[1])])
     # Who spins at a real-time priority disturbs all others, but not who watches.
     if REAL_TIME:
         os.sched_setscheduler(0, os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, os.sched_param(48))
     for cell in cells:
-        if cell[1] is spin and platform.machine() == "x86_64":
+        if callable(cell[1]) and platform.machine() == "x86_64":
             print(patiently(case, *cell))
 
 

@@ -24,9 +24,10 @@ gzip -k good.dx
 hapgrid table good.dx.gz -o packed --until definition -q
 cmp dx/dx.table packed/packed.table
 
+soon() { timeout -k 5 20 prlimit --as=$((2 << 30)) "$@"; }
 # bad FILE MESSAGE: FILE is refused with one line, and leaves no folder.
 bad() {
-  expect 1 '' "~table: $1: $2" -- hapgrid table "$1" -o out -q
+  expect 1 '' "~table: $1: $2" -- soon hapgrid table "$1" -o out -q
   [[ ! -e out ]] || fail "$1 leaves a folder"
 }
 sed '$d' good.map >short.map
@@ -73,6 +74,47 @@ sed '7,$s/.*/1/' good.map >same.map
 expect 1 '' '~.*the energy is the same everywhere' -- hapgrid table same.map -o same -q
 sed 's/SPACING.*/SPACING 1e300/' good.map >wide.map
 bad wide.map 'its origin or spacing is no number below 1e\+30'
+# Nothing waits for ever, or takes time or memory that the file's size does not tell.
+grep -v '^[0-9]*$' good.dx >head.dx
+{ cat head.dx; printf '\n%.0s' {1..100000}; seq 64; } >blank.dx
+expect 0 '' '' -- soon hapgrid table blank.dx -o blank --until definition -q
+cmp dx/dx.table blank/blank.table
+/usr/bin/python3 - <<'PY'
+import struct
+import zlib
+open("tags.vti", "wb").write(b"<VTKFile>" + b"<AppendedData " * 100000)
+data = zlib.compress(bytes(64 << 20), 9)
+head = struct.pack("<4Q", 1, 64 << 20, 0, len(data))
+open("bomb.vti", "wb").write(open("good.vti", "rb").read().split(b"<DataArray")[0].replace(b"<VTKFile", b'<VTKFile header_type="UInt64" '
+    b'compressor="vtkZLibDataCompressor"') + b'<DataArray type="Float64" Name="e" format="appended" offset="0"/></PointData></Piece>'
+    b'</ImageData><AppendedData encoding="raw">_' + head + data + b"</AppendedData></VTKFile>")
+text = open("entity.vti").read()
+open("wide.vti", "wb").write(text.encode("utf-16"))
+open("named.vti", "wb").write(b"<?xml version='1.0' encoding='cp037'?>" + text.encode("cp037"))
+cube = open("good.cube").read().replace("1 0 0 0", "-1 0 0 0", 1).split("\n")
+for name, number in (("digits", "9" * 5000), ("large", "9" * 30), ("power", "\u00b2")):
+    open(name + ".cube", "w").write("\n".join([*cube[:7], number + " 1", *cube[7:]]))
+open("each.cube", "w").write("\n".join([*cube[:2], "1 0 0 0 1e300", *cube[3:]]))
+PY
+bad tags.vti 'no VTK image: .*'
+bad bomb.vti 'its compressed data are cut off or too long'
+bad wide.vti 'no VTK image: it is not written in UTF-8'
+bad named.vti 'no VTK image: it is not written in UTF-8'
+for name in digits large power; do bad "$name.cube" 'the list of its orbitals is not understood'; done
+bad each.cube 'over 10\^15 values a point are too many'
+mkfifo pipe.dx && ln -s /dev/zero zero.dx
+for name in pipe zero; do bad "$name.dx" 'is no regular file'; done
+
+# A stranger's folder names no file outside of it, and what is kept in it is no pipe.
+for name in ../good.map "$PWD/good.map" /dev/zero; do
+  rm -rf strange && cp -R dx strange
+  sed -i "s|^table = .*|table = \"$name\"|" strange/dx.toml
+  refuses "table: strange/dx.toml: names the file '$name': only files beside it are used, with plain names" -- \
+    soon hapgrid table good.dx -o strange -q
+done
+rm strange/.work/name.json && mkfifo strange/.work/name.json
+refuses 'table: strange/.work/name.json: is no regular file' -- soon hapgrid table good.dx -o strange -q
+
 echo >x.txt
 bad x.txt 'only .map, .dx, .cube and .vti are known, and each with .gz behind it'
 bad gone.map 'No such file or directory'

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
 #include "libcore/base/json_text.hpp"
 #include "libcore/base/text.hpp"
@@ -113,6 +114,8 @@ Json page_scene(const Scene& scene, const Frame& frame, const RenderOptions& opt
       {"lengths", Json::array()},
       {"spheres", Json::array()}};
   const double decade = std::floor(std::log10(std::max(extent[0], extent[1])));
+  if (!std::isfinite(decade))
+    throw Error("the picture has no size: a radius or the box is too large");
   for (double power = decade - 4; power <= decade + 2; ++power)
     for (const double digit : {1.0, 2.0, 5.0}) {
       const double length = digit * std::pow(10, power);

@@ -37,7 +37,7 @@ hapgrid plot slice process.grid -o levels.png 2>said || status=$?
 [[ $status == 1 && $(wc -l <said) == 1 && ! -e levels.png ]]
 grep python3-matplotlib said
 
-install python3-numpy python3-rdkit python3-scipy python3-seccomp
+install python3-numpy python3-rdkit python3-scipy
 python3 - <<'PYTHON'
 import hapgrid
 grid = hapgrid.read("process.grid")
