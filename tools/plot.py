@@ -1,4 +1,4 @@
-#!/usr/bin/python3
+#!/usr/bin/python3 -E
 """hapgrid plot: pictures of grids and plays, by hapgrid.plot of the Python module."""
 import argparse
 import os
