@@ -39,3 +39,5 @@ sys.modules["matplotlib"] = None
 runpy.run_path(sys.argv[1], run_name="__main__")' "$HAPGRID_SOURCE/examples/$folder/hapgrid-$command" nowhere -o dir
   [[ ! -e dir ]] || fail "$command began"
 done
+
+expect 2 '' 'hapgrid: init: --include goes with nothing else (see hapgrid init --help)' -- init --include --lang c
