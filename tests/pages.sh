@@ -1,7 +1,8 @@
 #!/bin/bash
 # The pages (*.md): every relative link leads to a file and to a heading in it, every path of this
-# repository that a page names is there, each picture of the examples is on a page, and the README has
-# at most 100 lines. Run with a directory, it looks at that one instead.
+# repository that a page names is there, each picture of the examples is on a page, each option that a page or a
+# manual page names is in the --help of its tool, and the README has at most 100 lines. Run with a directory, it
+# looks at that one instead.
 set -euo pipefail
 cd "${1:-${HAPGRID_SOURCE:-$(dirname "$0")/..}}"
 
@@ -41,6 +42,30 @@ all=$(printf '%s\n' "${linked[@]}")
 while read -r picture; do
   grep -qxF "$(realpath "$picture")" <<<"$all" || complain "$picture is on no page"
 done < <([[ ! -d examples ]] || find examples -name '*.png' -o -name '*.webp' -o -name '*.svg')
+
+# The tool is the last one that the line names before the option, or else that of the manual page, or any.
+/usr/bin/python3 - "${HAPGRID_BIN:-build/bin}/hapgrid" "${pages[@]}" tools/man/*.h2m <<'PYTHON' || bad=1
+import re, subprocess, sys
+hapgrid, *pages = sys.argv[1:]
+tools = "seed expand merge verify stats play view check-model plot feel init molecule table dock".split()
+option = r"(?<![\w-])--[a-z][a-z-]*[a-z]"
+others = set("""--build --cores --cpus-per-task --energy --error-exitcode --exclusive --exhaustiveness --ff --install --ligand
+    --maps --num --out --prefix --preset --release --scoring --seed --target --titration-state-method --wait --with-ph""".split())
+has = {tool: set(re.findall(option, subprocess.run([hapgrid, tool, "--help"], capture_output=True, text=True).stdout)) for tool in tools}
+has["feel"] |= has["play"]
+wrong = []
+for page in pages:
+    own = re.sub(r".*/hapgrid-|.*/|\.h2m", "", page)
+    for number, line in enumerate(open(page, encoding="utf-8").read().replace(r"\-", "-").splitlines(), 1):
+        for found in re.finditer(option, line):
+            before = re.findall(rf"(?<![\w./-])(?:{'|'.join(tools)})(?![\w/-])", line[:found.start()])
+            tool = before[-1] if before else own
+            # Where modules are missing, a tool has no help.
+            known = has.get(tool) or set().union(*has.values())
+            if found[0] not in known | others | {"--help", "--version"} and "CHANGELOG" not in page:
+                wrong.append(f"{page}:{number}: {tool if before else 'hapgrid'} has no option {found[0]}")
+sys.exit("\n".join(wrong) or 0)
+PYTHON
 
 lines=$(wc -l <README.md)
 ((lines <= 100)) || complain "README.md has $lines lines, and may have 100"

@@ -183,7 +183,7 @@ int main(int argc, char** argv) {
       "  returns        steps there and back end in the same state (no fault)\n"
       "  snaps          where they do not, 9 of 10 end in the same state in 64 pieces\n"
       "\n"
-      "Times depend on the machine, and so does the estimate. Everything else depends on the\n"
+      "Times and the estimate depend on the machine. Everything else depends on the\n"
       "model alone, unless --seconds ends the walks.\n",
       "  3  the model breaks what the search relies on\n");
   add_definition(app, options.definition);

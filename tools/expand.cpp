@@ -163,10 +163,12 @@ int run_in_processes(const Options& options) {
   const auto add = [&](const char* option, const std::string& value) {
     rounds.of_expand.insert(rounds.of_expand.end(), {option, value});
   };
-  if (!options.model.allowed.empty()) add("--allow-process", options.model.allowed);
+  if (!options.model.allowed.empty()) {
+    add("--allow-process", options.model.allowed);
+    add("--process-timeout", format("{}", options.model.process.timeout_seconds));
+  }
   if (options.model.process.in_flight > 0)
     add("--in-flight", std::to_string(options.model.process.in_flight));
-  add("--process-timeout", format("{}", options.model.process.timeout_seconds));
   return expand_in_processes(rounds);
 }
 

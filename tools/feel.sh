@@ -31,17 +31,18 @@ test -x "$bin/view" || {
 }
 dir=$(mktemp -d "${TMPDIR:-/tmp}/hapgrid-feel.XXXXXX")
 trap 'rm -rf "$dir"' EXIT
-mkfifo -m 600 "$dir/hand" "$dir/address"
+mkfifo -m 600 "$dir/hand" "$dir/address" "$dir/frames"
 # In the background, so that a signal is answered at once. When the page is closed the pipe is, and
 # so the play ends in good order.
 exec 3<&0
-{ "$bin/play" --device "path:$dir/hand" --frames - "$@" <&3 || echo $? >"$dir/failed"; } |
-  "$bin/view" --web --close --hand "$dir/hand" --azimuth 0 --elevation 10 \
-    ${HAPGRID_FEEL_PORT:+--port "$HAPGRID_FEEL_PORT"} >"$dir/address" 2>"$dir/said" &
+"$bin/play" --device "path:$dir/hand" --frames - "$@" <&3 >"$dir/frames" &
+play=$!
+"$bin/view" --web --close --hand "$dir/hand" --azimuth 0 --elevation 10 ${HAPGRID_FEEL_PORT+--port "$HAPGRID_FEEL_PORT"} \
+  <"$dir/frames" >"$dir/address" 2>"$dir/said" &
 page=$!
 for signal in 1 2 3 15; do
   # shellcheck disable=SC2064  # the number is meant
-  trap "kill $page 2>/dev/null || :; wait; exit $((128 + signal))" "$signal"
+  trap "kill $page $play 2>/dev/null || :; wait; exit $((128 + signal))" "$signal"
 done
 if read -r address <"$dir/address"; then
   echo "hapgrid: feel: $address" >&2
@@ -49,10 +50,12 @@ if read -r address <"$dir/address"; then
     xdg-open "$address" >/dev/null 2>&1 </dev/null 3<&- &
   fi
 fi
-seen=0
+seen=0 played=0
 wait "$page" || seen=$?
-wait
+# Without a page nobody would ever be the hand that play waits for.
+test "$seen" = 0 || kill "$play" 2>/dev/null || :
+wait "$play" 2>/dev/null || played=$?  # where the shell would say: Terminated
 # Without a play there is nothing to see, and play has said why.
-test ! -e "$dir/failed" || exit "$(cat "$dir/failed")"
+if test "$played" != 0 && test "$played" != 143; then exit "$played"; fi
 cat "$dir/said" >&2
 exit "$seen"

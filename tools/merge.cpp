@@ -81,7 +81,8 @@ int main(int argc, char** argv) {
   add_output(app, options.output);
   app.add_flag("--small", options.small,
                "Write a finished grid in large chunks at a high zstd level, for keeping and for "
-               "play; nothing is lost, and every tool reads it");
+               "play; nothing is lost, and every tool reads it")
+      .goes_with({"shard", "--output", "--cost"});
   add_cost(app, options.cost);
   add_model_path(app, options.model_path);
   return run_tool(app, argc, argv, [&] {

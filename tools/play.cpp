@@ -330,12 +330,13 @@ int play(PlayOptions options) {
            .force = force.rule(),
            .beside = beside ? wanted_beside : kBesideOff});
   if (beside) beside->begin(rate_hz);
-  const LoopSummary summary = drive(device, mapping, *traversal, safety, played, loop,
-                                    options.realtime, facts, [&](const Tick& tick) {
-                                      log.add(tick);
-                                      viewers.show(tick);
-                                      if (sessions) sessions->add(tick);
-                                    });
+  const LoopSummary summary =
+      drive(device, mapping, *traversal, safety, played, loop,
+            options.realtime.value_or(RealtimeMode::kTry), facts, [&](const Tick& tick) {
+              log.add(tick);
+              viewers.show(tick);
+              if (sessions) sessions->add(tick);
+            });
   signals.reset();  // a second signal may interrupt the writing of what is left
   log.finish();
   viewers.finish();
@@ -381,9 +382,9 @@ int main(int argc, char** argv) {
       "  evdev[:WHICH]     a gamepad, stick or wheel\n"
       "  spacemouse[:WHICH]  a SpaceMouse, which moves the HIP but cannot show forces\n"
       "  process:COMMAND   an adapter program, for a device with its maker's library\n"
-      "WHICH is a path, VID:PID, VID:PID:SERIAL or serial number; --list-devices has the\n"
-      "text for each device. Without GRID, play shows where one of the last four is, and\n"
-      "sends no force.\n"
+      "WHICH is a path, VID:PID, VID:PID:SERIAL or serial number; --list-devices has\n"
+      "the text for each device. Without GRID, play shows where one of the last four\n"
+      "is, and sends no force.\n"
       "\n"
       "Settings for --set and for the table [play] of --config:\n" +
           settings_help() +

@@ -80,15 +80,6 @@ void show_log(const Options& options) {
   run_session(std::move(file), options.npy, options.format == "json", options.output);
 }
 
-/// Refuses options that do not go together.
-void check_options(const Options& options) {
-  const bool reads_log = !options.log.empty();
-  if (!options.get.empty() && (reads_log || !options.npy.empty()))
-    throw UsageError("--get, --npy and --log exclude each other");
-  if (reads_log && options.grid != "-")
-    throw UsageError("--log reads a recorded play, so no grid can be given");
-}
-
 /// The report on the whole grid, or one value of it.
 std::string report(const Options& options, const LoadedGrid& loaded) {
   CostSums sums;
@@ -121,7 +112,9 @@ void show_grid(const Options& options) {
 }
 
 int run(const Options& options) {
-  check_options(options);
+  if (!options.costs.empty() && !options.get.empty() && !options.get.starts_with("costs") &&
+      options.get != "cpu_hours")
+    throw UsageError(format("--get: {} does not depend on --cost", options.get));
   announce_terminal(options.log.empty() ? options.grid : options.log);
   options.log.empty() ? show_grid(options) : show_log(options);
   return kExitDone;
@@ -143,10 +136,12 @@ int main(int argc, char** argv) {
       .repeatable();
   app.add("--get", options.get,
           "Key of the JSON report whose value alone is printed, as in --get box.spacing.")
-      .type("KEY");
+      .type("KEY")
+      .goes_with({"grid", "--cost", "--output"});
   app.group("A log of play, instead of a grid");
   app.add("--log", options.log, "Session that play --log wrote ('-': standard input).")
-      .type("FILE");
+      .type("FILE")
+      .goes_with({"--format", "--npy", "--output"});
   app.group("Output");
   app.add("--format", options.format, "Format of the report.")
       .one_of({"text", "json"})
@@ -154,7 +149,8 @@ int main(int argc, char** argv) {
   app.add("--npy", options.npy,
           "Array to write for numpy, of a grid's records or a session's ticks ('-': standard "
           "output).")
-      .type("FILE");
+      .type("FILE")
+      .goes_with({"grid", "--log"});
   add_output(app, options.output);
   app.set_help("stats", "hapgrid-stats(1) explains the numbers.\n");
   return run_tool(app, argc, argv, [&] { return run(options); });

@@ -75,9 +75,11 @@ int tell(const Grid& grid, const std::vector<Check>& checks, const Options& opti
   return is_broken(checks) ? kExitInvalid : is_fine(checks) ? kExitDone : kExitNotProved;
 }
 
+bool asks_no_model(const Options& options) {
+  return options.recompute == "none" && options.asked.walks == 0 && !options.asked.accuracy;
+}
+
 int run(const Options& options) {
-  if (options.is_quiet && (options.is_verbose || options.output != "-"))
-    throw UsageError("--quiet: there is no report for --verbose or --output");
   Examination asked = options.asked;
   parse_recompute(options.recompute, asked.recompute);
   if (asked.accuracy && asked.walks == 0) asked.walks = kDefaultWalks;
@@ -155,9 +157,18 @@ int main(int argc, char** argv) {
   add_output(app, options.output);
   app.add_flag("-v,--verbose", options.is_verbose,
                "Figures and places of every check that has some");
-  app.add_flag("-q,--quiet", options.is_quiet, "No report, only the exit code");
+  app.add_flag("-q,--quiet", options.is_quiet, "No report, only the exit code")
+      .excludes(app.option("--verbose"))
+      .excludes(app.option("--output"))
+      .excludes(app.option("--format"));
   app.set_help("verify", kChecks,
                "  3  read everything, and an invariant is broken\n"
                "  4  nothing is broken, but a check could not prove what it says\n");
-  return run_tool(app, argc, argv, [&] { return run(options); });
+  return run_tool(app, argc, argv, [&] {
+    for (const char* const name :
+         {"--sample-seed", "--allow-process", "--process-timeout", "--in-flight"})
+      if (asks_no_model(options) && app.given(name))
+        throw UsageError(format("{}: --recompute none, and no --walks, ask no model", name));
+    return run(options);
+  });
 }

@@ -145,8 +145,6 @@ int run(const Options& options) {
     run_terminal(options.frames, how, options.terminal);
     return kExitDone;
   }
-  if ((options.xyz == "-") + (options.png == "-") + (options.html == "-") > 1)
-    throw UsageError("only one of --xyz, --png and --html can be standard output");
 
   std::optional<OutputFile> xyz;
   if (!options.xyz.empty()) xyz.emplace(options.xyz, /*binary=*/false);
@@ -194,28 +192,34 @@ void add_file_options(CommandLine& app, Options& options) {
   const Option xyz =
       app.add("--xyz", options.xyz,
               "Trajectory to write in the XYZ format, with the spheres of all frames.")
-          .type("FILE");
+          .type("FILE")
+          .writes();
   app.add("--hip-label", options.hip_label,
           "Symbol of an atom that shows the HIP in --xyz (default: no atom).")
       .type("SYMBOL")
       .check(is_symbol, "a letter, then letters or digits")
       .needs(xyz);
-  const Option png = app.add("--png", options.png, "Picture to write of one frame.").type("FILE");
+  const Option png =
+      app.add("--png", options.png, "Picture to write of one frame.").type("FILE").writes();
   app.add("--at", options.at_s, "Time of the frame of --png (default: the last frame).")
       .type("SECONDS")
       .within(0, 1e12, "a time from 0 to 1e12 s")
       .needs(png);
   app.add("--html", options.html,
           "Web page to write in one file, which plays all frames in a browser.")
-      .type("FILE");
+      .type("FILE")
+      .writes();
 }
 
 void add_live_options(CommandLine& app, Options& options) {
   app.group("Live");
-  const Option web = app.add_flag(
-      "--web", options.web,
-      "Serve a page that shows the frames in browsers, and write its address; a recorded file "
-      "plays at the speed at which it was recorded.");
+  const Option web =
+      app.add_flag(
+             "--web", options.web,
+             "Serve a page that shows the frames in browsers, and write its address; a recorded "
+             "file plays at the speed at which it was recorded.")
+          .goes_with({"frames", "--hand", "--port", "--address", "--close", "--style", "--azimuth",
+                      "--elevation", "--hip-radius"});
   app.add("--hand", options.hand,
           "Named pipe into which the first page that is opened writes the hand's positions, for "
           "play --device path:PIPE.")
@@ -224,7 +228,8 @@ void add_live_options(CommandLine& app, Options& options) {
   app.add("--port", options.port,
           "Port of --web (default: 0, one that is free) or --imd (default: 8888).")
       .type("PORT")
-      .within(0, 65535, "a port from 0 to 65535");
+      .within(0, 65535, "a port from 0 to 65535")
+      .needs_one_of({"--web", "--imd"});
   app.add("--address", options.address,
           "IPv4 address of --web or --imd; with another one than the default, other machines reach "
           "it.")
@@ -235,66 +240,51 @@ void add_live_options(CommandLine& app, Options& options) {
             return ::inet_pton(AF_INET, text.c_str(), &address) == 1;
           },
           "an IPv4 address")
-      .shows_default();
+      .shows_default()
+      .needs_one_of({"--web", "--imd"});
   app.add_flag("--close", options.close, "End after the last frame.")
       .needs(web)
       .hidden();  // for feel
   // A flag, so that a file's name behind it is not taken for its value.
-  Option terminal =
-      app.add_flag("--terminal{auto}", options.terminal,
-                   "Show the frames in the terminal. Default: auto, the best that the "
-                   "terminal can do.")
-          .one_of({"auto", "symbols", "sixel"});
-  Option imd =
-      app.add_flag("--imd", options.imd,
-                   "Serve VMD over TCP. There is no password: whoever reaches the port sees the "
-                   "play.");
-  imd.excludes(terminal);
-  app.option("--web").excludes(terminal);
-  app.option("--web").excludes(imd);
-  for (const char* const file : {"--xyz", "--png", "--html"}) {
-    app.option("--web").excludes(app.option(file));
-    terminal.excludes(app.option(file));
-    imd.excludes(app.option(file));
-  }
+  app.add_flag("--terminal{auto}", options.terminal,
+               "Show the frames in the terminal. Default: auto, the best that the terminal can do.")
+      .one_of({"auto", "symbols", "sixel"})
+      .goes_with({"frames", "--style", "--azimuth", "--elevation", "--hip-radius"});
+  app.add_flag("--imd", options.imd,
+               "Serve VMD over TCP. There is no password: whoever reaches the port sees the play.")
+      .goes_with({"frames", "--port", "--address"});
 }
 
 void add_picture_options(CommandLine& app, Options& options) {
+  const std::vector<std::string> pictures{"--png", "--html", "--web", "--terminal"};
   app.group("The picture");
   app.add("--style", options.style, "Whole spheres, or balls and sticks.")
       .one_of({"spheres", "sticks"})
-      .shows_default();
+      .shows_default()
+      .needs_one_of(pictures);
   app.add("--size", options.size, "Width and height of the picture in pixels.")
       .type("WxH")
       .check([](const std::string& text) { return parse_size(text).has_value(); },
              format("like 800x600, at most {} each", kMaxPixels))
-      .shows_default();
+      .shows_default()
+      .needs(app.option("--png"));
   app.add("--azimuth", options.picture.azimuth_degrees,
           "Direction of the viewer around z; at 0, x points to the right and y away.")
       .type("DEGREES")
       .within(-360, 360, "an angle from -360 to 360 degrees")
-      .shows_default();
+      .shows_default()
+      .needs_one_of(pictures);
   app.add("--elevation", options.picture.elevation_degrees,
           "Angle of the viewer above the plane of x and y.")
       .type("DEGREES")
       .within(-90, 90, "an angle from -90 to 90 degrees")
-      .shows_default();
+      .shows_default()
+      .needs_one_of(pictures);
   app.add("--hip-radius", options.picture.hip_radius,
           "Radius of the ball at the HIP (default: that of the frames).")
       .type("LENGTH")
-      .within(1e-12, 1e12, "a length from 1e-12 to 1e12");
-}
-
-/// @throw UsageError for options of a picture or a server without one.
-void check_options(const CommandLine& app) {
-  for (const char* const name : {"--port", "--address"})
-    if (app.given(name) && !app.given("--web") && !app.given("--imd"))
-      throw UsageError(format("{} requires --web or --imd", name));
-  if (app.given("--size") && !app.given("--png")) throw UsageError("--size requires --png");
-  for (const char* const name : {"--style", "--azimuth", "--elevation", "--hip-radius"})
-    if (app.given(name) && !app.given("--png") && !app.given("--terminal") &&
-        !app.given("--html") && !app.given("--web"))
-      throw UsageError(format("{} requires --png, --html, --web or --terminal", name));
+      .within(1e-12, 1e12, "a length from 1e-12 to 1e12")
+      .needs_one_of(pictures);
 }
 
 }  // namespace
@@ -311,8 +301,5 @@ int main(int argc, char** argv) {
   app.set_help("view",
                "A file named '-' is standard output. Lengths are in the model's unit.\n"
                "The button ? of the page shows what mouse, fingers and keys do.\n");
-  return run_tool(app, argc, argv, [&] {
-    check_options(app);
-    return run(options);
-  });
+  return run_tool(app, argc, argv, [&] { return run(options); });
 }

@@ -3,7 +3,9 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <sstream>
+#include <system_error>
 #include <utility>
 
 #include "libcore/base/table.hpp"
@@ -31,11 +33,11 @@ std::string filled(const std::string& text, std::size_t indent) {
   return lines + line;
 }
 
-/// A line of a footer, such as "  NAME  TEXT", whose text goes on below itself.
+/// A line of a footer. The text of one such as "  NAME  TEXT" goes on below itself; any other is
+/// part of a text that has line ends of its own.
 std::string wrapped(const std::string& line) {
-  if (text_width(line) <= kColumns) return line;
-  const std::size_t blanks = line.rfind("  ");
-  const std::size_t indent = blanks == std::string::npos ? 0 : blanks + 2;
+  if (text_width(line) <= kColumns || !line.starts_with("  ")) return line;
+  const std::size_t indent = line.rfind("  ") + 2;
   const std::string begin = line.substr(0, indent);
   return begin + filled(line.substr(indent), text_width(begin));
 }
@@ -123,6 +125,11 @@ std::string suggestion(const CLI::App& app) {
 
 }  // namespace
 
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code ignored;  // when one of them does not exist they are not the same
+  return !a.empty() && (a == b || std::filesystem::equivalent(a, b, ignored));
+}
+
 Option& Option::type(const std::string& name) {
   option_->type_name(name);
   return *this;
@@ -157,6 +164,21 @@ Option& Option::needs(const Option& other) {
 
 Option& Option::excludes(const Option& other) {
   option_->excludes(other.option_);
+  return *this;
+}
+
+Option& Option::needs_one_of(std::vector<std::string> others) {
+  app_->need_one_of_.push_back({option_, std::move(others)});
+  return *this;
+}
+
+Option& Option::goes_with(std::vector<std::string> others) {
+  app_->go_with_.push_back({option_, std::move(others)});
+  return *this;
+}
+
+Option& Option::writes() {
+  app_->outputs_.push_back(option_);
   return *this;
 }
 
@@ -202,33 +224,33 @@ CommandLine::CommandLine(const std::string& about) : app_(std::make_unique<CLI::
 CommandLine::~CommandLine() = default;
 
 Option CommandLine::add(const std::string& names, std::string& value, const std::string& help) {
-  return Option(add_value(*app_, names, value, help)->type_name("TEXT"));
+  return Option(*this, add_value(*app_, names, value, help)->type_name("TEXT"));
 }
 
 Option CommandLine::add(const std::string& names, double& value, const std::string& help) {
-  return Option(add_value(*app_, names, value, help));
+  return Option(*this, add_value(*app_, names, value, help));
 }
 
 Option CommandLine::add(const std::string& names, std::optional<double>& value,
                         const std::string& help) {
-  return Option(app_->add_option(
-      names,
-      [&value](const CLI::results_t& given) {
-        return CLI::detail::lexical_cast(given.back(), value.emplace());
-      },
-      help));
+  return Option(*this, app_->add_option(
+                           names,
+                           [&value](const CLI::results_t& given) {
+                             return CLI::detail::lexical_cast(given.back(), value.emplace());
+                           },
+                           help));
 }
 
 Option CommandLine::add(const std::string& names, int& value, const std::string& help) {
-  return Option(add_value(*app_, names, value, help));
+  return Option(*this, add_value(*app_, names, value, help));
 }
 
 Option CommandLine::add(const std::string& names, unsigned& value, const std::string& help) {
-  return Option(add_value(*app_, names, value, help));
+  return Option(*this, add_value(*app_, names, value, help));
 }
 
 Option CommandLine::add(const std::string& names, std::uint64_t& value, const std::string& help) {
-  return Option(add_value(*app_, names, value, help));
+  return Option(*this, add_value(*app_, names, value, help));
 }
 
 Option CommandLine::add(const std::string& names, std::vector<std::string>& values,
@@ -237,9 +259,9 @@ Option CommandLine::add(const std::string& names, std::vector<std::string>& valu
     values = given;
     return true;
   };
-  return Option(app_->add_option(names, set_values, help)
-                    ->type_name("TEXT")
-                    ->expected(CLI::detail::expected_max_vector_size));
+  return Option(*this, app_->add_option(names, set_values, help)
+                           ->type_name("TEXT")
+                           ->expected(CLI::detail::expected_max_vector_size));
 }
 
 Option CommandLine::add(const std::string& names, std::function<void(const std::string&)> use,
@@ -248,19 +270,21 @@ Option CommandLine::add(const std::string& names, std::function<void(const std::
     for (const std::string& text : given) use(text);
     return true;
   };
-  return Option(app_->add_option(names, use_each, help)->type_name("TEXT"));
+  return Option(*this, app_->add_option(names, use_each, help)->type_name("TEXT"));
 }
 
 Option CommandLine::add_flag(const std::string& name, bool& value, const std::string& help) {
-  return Option(app_->add_flag(name, value, help));
+  return Option(*this, app_->add_flag(name, value, help));
 }
 
 Option CommandLine::add_flag(const std::string& name, std::string& value, const std::string& help) {
-  return Option(app_->add_flag(name, value, help));
+  return Option(*this, app_->add_flag(name, value, help));
 }
 
 void CommandLine::group(const std::string& name) { app_->option_defaults()->group(name); }
-Option CommandLine::option(const std::string& name) { return Option(app_->get_option(name)); }
+Option CommandLine::option(const std::string& name) {
+  return Option(*this, app_->get_option(name));
+}
 bool CommandLine::has(const std::string& name) const { return app_->get_option_no_throw(name); }
 bool CommandLine::given(const std::string& name) const { return app_->count(name) > 0; }
 
@@ -282,9 +306,39 @@ void CommandLine::set_help(const std::string& name, const std::string& details,
 
 std::string CommandLine::name() const { return app_->get_name(); }
 
+void CommandLine::exclude_the_rest() {
+  for (const Rule& rule : go_with_) {
+    std::vector<CLI::Option*> allowed{rule.option};
+    for (const std::string& name : rule.others) allowed.push_back(app_->get_option(name));
+    for (CLI::Option* option : app_->get_options())
+      if (std::find(allowed.begin(), allowed.end(), option) == allowed.end())
+        rule.option->excludes(option);
+  }
+}
+
+void CommandLine::check_rules() const {
+  for (const Rule& rule : need_one_of_) {
+    const auto given = [&](const std::string& name) { return app_->count(name) > 0; };
+    if (rule.option->count() == 0 || std::any_of(rule.others.begin(), rule.others.end(), given))
+      continue;
+    std::string names = rule.others.front();
+    for (std::size_t i = 1; i < rule.others.size(); ++i)
+      names += (i + 1 < rule.others.size() ? ", " : " or ") + rule.others[i];
+    throw UsageError(rule.option->get_name() + " requires " + names);
+  }
+  for (auto a = outputs_.begin(); a != outputs_.end(); ++a)
+    for (auto b = a + 1; b != outputs_.end(); ++b)
+      if ((*a)->count() > 0 && (*b)->count() > 0 &&
+          same_file((*a)->results().back(), (*b)->results().back()))
+        throw UsageError((*a)->get_name() + " and " + (*b)->get_name() + " cannot both be " +
+                         (*a)->results().back());
+}
+
 std::optional<std::string> CommandLine::parse(int argc, char** argv) {
+  exclude_the_rest();
   try {
     app_->parse(argc, argv);
+    check_rules();
     return std::nullopt;
   } catch (const CLI::Success& e) {
     std::ostringstream text;

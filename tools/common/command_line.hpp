@@ -23,7 +23,14 @@ struct UsageError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// An option that was added to a CommandLine; copies are the same option.
+/// Whether two names are the same file.
+bool same_file(const std::string& a, const std::string& b);
+
+class CommandLine;
+
+/// An option that was added to a CommandLine; copies are the same option. Other options that are
+/// given by their names may be added later. An option that would do nothing beside the others is
+/// refused, and never ignored.
 class Option {
  public:
   /// What --help calls the value, in capitals.
@@ -37,6 +44,13 @@ class Option {
   Option& comma_separated();
   Option& needs(const Option& other);
   Option& excludes(const Option& other);
+  /// Does nothing without one of `others`, so it is refused there.
+  Option& needs_one_of(std::vector<std::string> others);
+  /// Of all other options and positionals, only `others` do something beside this one: the rest are
+  /// refused.
+  Option& goes_with(std::vector<std::string> others);
+  /// Names a file that is written. Two such options cannot name the same one.
+  Option& writes();
   /// A text that is not `good` is refused with the message "'TEXT' is not DESCRIPTION".
   Option& check(std::function<bool(const std::string&)> good, const std::string& description);
   /// One of these texts, which --help shows in place of a type.
@@ -51,7 +65,8 @@ class Option {
 
  private:
   friend class CommandLine;
-  explicit Option(CLI::Option* option) : option_(option) {}
+  Option(CommandLine& app, CLI::Option* option) : app_(&app), option_(option) {}
+  CommandLine* app_;
   CLI::Option* option_;
 };
 
@@ -94,7 +109,17 @@ class CommandLine {
   std::optional<std::string> parse(int argc, char** argv);
 
  private:
+  friend class Option;
+  struct Rule {
+    CLI::Option* option;
+    std::vector<std::string> others;
+  };
+  void exclude_the_rest();
+  void check_rules() const;
+
   std::unique_ptr<CLI::App> app_;
+  std::vector<Rule> need_one_of_, go_with_;
+  std::vector<CLI::Option*> outputs_;
 };
 
 }  // namespace hapgrid

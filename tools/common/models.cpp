@@ -21,6 +21,7 @@ void add_process_timeout(CommandLine& app, ProcessOptions& options) {
           "Longest time in seconds for an answer of a model process, which is then replaced.")
       .type("S")
       .within(std::numeric_limits<double>::denorm_min(), 1e6, "above 0 and at most 1000000")
+      .needs(app.option("--allow-process"))
       .shows_default();
 }
 
@@ -66,7 +67,8 @@ void add_model_options(CommandLine& app, ModelOptions& options) {
           "Questions that one model process has at a time, from 1 to 1024 (default: what the model "
           "asks for, or 4).")
       .type("N")
-      .whole(1, kMaxInFlight);
+      .whole(1, kMaxInFlight)
+      .needs(app.option("--allow-process"));
 }
 
 void add_model_options(CommandLine& app, DefinedModelOptions& options) {

@@ -82,6 +82,7 @@ void add_output(CommandLine& app, std::string& name) {
   app.add("-o,--output", name,
           "File to write; it appears when it is complete ('-': standard output)")
       .type("FILE")
+      .writes()
       .shows_default();
 }
 
@@ -104,7 +105,8 @@ void add_cost(CommandLine& app, std::string& file) {
           "Append one JSON line to FILE: wall and CPU seconds (those of model processes when they "
           "have ended), conversions, host. Where the model ends the work, failed says why: "
           "levels or model")
-      .type("FILE");
+      .type("FILE")
+      .writes();
 }
 
 namespace {

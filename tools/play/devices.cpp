@@ -3,8 +3,8 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
-#include <sstream>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -35,10 +35,17 @@ struct Form {
 };
 
 /// The words of a command; blanks stand between them, and quotes mean nothing.
+/// A character behind a backslash is part of its word, as a blank in a path.
 std::vector<std::string> words_of(const std::string& command) {
-  std::istringstream in(command);
   std::vector<std::string> words;
-  for (std::string word; in >> word;) words.push_back(word);
+  bool in_word = false;
+  for (std::size_t i = 0; i < command.size(); ++i) {
+    const bool ends = std::isspace(static_cast<unsigned char>(command[i])) != 0;
+    if (!ends && !in_word) words.emplace_back();
+    in_word = !ends;
+    if (command[i] == '\\' && i + 1 < command.size()) ++i;
+    if (!ends) words.back() += command[i];
+  }
   return words;
 }
 

@@ -50,6 +50,16 @@ std::string list_of(const fs::path& adapter) {
   return text;
 }
 
+/// With backslashes, as `process:` needs it where a path has blanks.
+std::string as_word(const std::string& path) {
+  std::string word;
+  for (const char c : path) {
+    if (c == '\\' || c == ' ') word += '\\';
+    word += c;
+  }
+  return word;
+}
+
 struct Row {
   std::string device, feels, name;
 };
@@ -82,7 +92,7 @@ std::string devices_table() {
       adapters.insert(fs::weakly_canonical(entry.path()).string());
   for (const std::string& adapter : adapters) {
     const bool is_python = fs::path(adapter).extension() == ".py";
-    rows.push_back({format("process:{}{}", is_python ? "python3 " : "", adapter), "force",
+    rows.push_back({format("process:{}{}", is_python ? "python3 " : "", as_word(adapter)), "force",
                     format("adapter {}", fs::path(adapter).stem().string())});
   }
   std::size_t width = 0;

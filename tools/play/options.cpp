@@ -41,7 +41,8 @@ void add_device_options(CommandLine& app, PlayOptions& options) {
       .type("on|off|TICKS")
       .check(is_beside, "on, off or a whole number of ticks from 1 to 10000");
   app.add_flag("--list-devices", options.list_devices,
-               "List the devices of this machine, with the text for --device, instead of playing.");
+               "List the devices of this machine, with the text for --device, instead of playing.")
+      .goes_with({});
   add_asked_model_options(app, options.model);
 }
 
@@ -67,26 +68,31 @@ void add_time_options(CommandLine& app, PlayOptions& options) {
       .type("require|try|off")
       .check([](const std::string& name) { return modes.contains(name); }, "require, try or off");
   app.add_flag(
-      "--selftest", options.selftest,
-      "Measure how late a loop is on this machine at 1, 2 and 5 kHz, or at --rate, without a "
-      "device or grid.");
+         "--selftest", options.selftest,
+         "Measure how late a loop is on this machine at 1, 2 and 5 kHz, or at --rate, without a "
+         "device or grid.")
+      .goes_with({"--rate", "--duration", "--realtime", "--set"});
 }
 
 void add_output_options(CommandLine& app, PlayOptions& options) {
   app.add("--log", options.log,
           "Log of all ticks ('-': standard output). FILE.session is compact and can be replayed; "
           "any other name gets a text, which a live device cannot write.")
-      .type("FILE");
+      .type("FILE")
+      .writes();
   app.add("--frames", options.frames,
           "Frames for view, 25 for each second of play, or 60 in real time ('-': standard output).")
-      .type("FILE");
+      .type("FILE")
+      .writes();
   app.add("--report", options.report,
           "Report in JSON: ticks, lateness, computing time, and what the safety core did ('-': "
           "standard output).")
-      .type("FILE");
+      .type("FILE")
+      .writes();
   app.add("--sessions", options.sessions,
           "Table to write of the sessions of 'sim:', with a line for each.")
-      .type("FILE");
+      .type("FILE")
+      .writes();
 }
 
 void add_force_options(CommandLine& app, PlayOptions& options) {
@@ -106,6 +112,13 @@ void add_play_options(CommandLine& app, PlayOptions& options) {
   add_time_options(app, options);
   add_output_options(app, options);
   add_force_options(app, options);
+  app.option("--realtime").needs_one_of({"grid", "--selftest"});
+  // Without a grid a device is only looked at.
+  for (const char* const of_play :
+       {"--traversal", "--force", "--beside", "--model-path", "--allow-process", "--log",
+        "--frames", "--report", "--sessions", "--axes", "--config", "--gain", "--max-force",
+        "--scale"})
+    app.option(of_play).needs(app.option("grid"));
 }
 
 }  // namespace hapgrid

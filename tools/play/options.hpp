@@ -21,7 +21,7 @@ struct PlayOptions {
   std::optional<ForceRule> force;
   std::optional<std::string> beside;  ///< is_beside()
   double duration_s = 0;              ///< 0: until the device ends
-  RealtimeMode realtime = RealtimeMode::kTry;
+  std::optional<RealtimeMode> realtime;  ///< nothing: kTry
   std::string log;
   std::string frames;
   std::string report;

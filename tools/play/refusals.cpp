@@ -2,9 +2,7 @@
 
 #include <unistd.h>
 
-#include <filesystem>
 #include <string>
-#include <system_error>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
@@ -17,13 +15,7 @@ namespace hapgrid {
 
 namespace {
 
-/// Whether two names are the same file.
-bool same_file(const std::string& a, const std::string& b) {
-  std::error_code ignored;  // when one of them does not exist they are not the same
-  return !a.empty() && (a == b || std::filesystem::equivalent(a, b, ignored));
-}
-
-/// @throw UsageError when an output would replace an input, or two outputs are one file.
+/// @throw UsageError when an output would replace an input.
 void check_files(const PlayOptions& options) {
   const std::string input = input_file(*options.device);
   if (options.grid == "-" && input == "-")
@@ -45,11 +37,6 @@ void check_files(const PlayOptions& options) {
     if (replaced)
       throw UsageError(format("{}: {} would replace the {}", output.option, output.what, replaced));
   }
-  for (std::size_t i = 0; i < std::size(outputs); ++i)
-    for (std::size_t j = i + 1; j < std::size(outputs); ++j)
-      if (same_file(outputs[i].file, outputs[j].file))
-        throw UsageError(format("{} and {} cannot both be {}", outputs[i].option, outputs[j].option,
-                                outputs[j].file));
 }
 
 }  // namespace
@@ -72,7 +59,15 @@ void require_possible(const PlayOptions& options) {
   if (options.traversal == TraversalRule::kModel && options.force &&
       options.force != ForceRule::kState)
     throw UsageError("--force: --traversal model has no records to interpolate between");
-  if (!options.sessions.empty() && !std::holds_alternative<SimulationFile>(*options.device))
+  const bool simulated = std::holds_alternative<SimulationFile>(*options.device);
+  if (!options.model.allowed.empty() && !simulated &&
+      (options.traversal == TraversalRule::kPaper ||
+       (options.beside == kBesideOff && options.traversal != TraversalRule::kModel)))
+    throw UsageError("--allow-process: with --beside off or --traversal paper, no model is asked");
+  if (options.realtime && !is_live(*options.device) && (simulated || options.rate_hz == 0))
+    throw UsageError(
+        "--realtime: only a live device, or a path or replay with --rate, is played in real time");
+  if (!options.sessions.empty() && !simulated)
     throw UsageError("--sessions: only --device sim:FILE has sessions to tell of");
   if (!options.log.empty() && !is_session_name(options.log) && is_live(*options.device))
     throw UsageError(

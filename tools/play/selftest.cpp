@@ -127,7 +127,7 @@ int run_selftest(const PlayOptions& options) {
     Measured measured;
     std::string got;
     {
-      const Realtime realtime(options.realtime);
+      const Realtime realtime(options.realtime.value_or(RealtimeMode::kTry));
       got = realtime.got();
       const int turns = std::max(1, static_cast<int>(seconds / (2 * kTurnSeconds)));
       const auto ticks = static_cast<std::uint64_t>(std::ceil(rate_hz * kTurnSeconds));

@@ -1,6 +1,7 @@
 """What the commands share that make a grid: `hapgrid molecule`, `hapgrid table` and `hapgrid dock`.
 
 cli       the command line, and failures as one line and an exit code
+needs     what is looked for before anything begins
 work      the folder of the results; what is there already is not computed again
 grid      computing and verifying a grid in it
 programs  starting programs, and ending them with the command

@@ -86,6 +86,8 @@ def _options(arguments):
     o = parser().parse_args(arguments)
     if (o.smiles is None) == (o.file is None):
         raise UsageError("give either FILE or --smiles (see --help)")
+    if o.smiles is not None and o.search:
+        raise UsageError("--search: conformers of --smiles are searched anyway (see --help)")
     return o
 
 

@@ -7,7 +7,8 @@ hapgrid=$prefix/bin/hapgrid
 [[ $(ls "$prefix/bin") == hapgrid ]]
 
 # It finds its filters, and they their plug-ins, wherever the tree was put.
-mv root moved; hapgrid=${hapgrid/#root/moved}
+moved=$'a $(touch x) `touch x` "b" \'c'
+mv root "$moved"; hapgrid=$moved${hapgrid#root}
 bin=$("$hapgrid" bin)
 # Its lines for the shell lead to the filters, their pages and the Python module, from the build folder, too.
 for launcher in "$hapgrid" "$HAPGRID_BUILD/bin/hapgrid"; do (
@@ -17,6 +18,7 @@ for launcher in "$hapgrid" "$HAPGRID_BUILD/bin/hapgrid"; do (
   same 'the module' "$(readlink -f "$("$launcher" bin)/../python/hapgrid/__init__.py")" \
     "$(/usr/bin/python3 -c 'import hapgrid; print(hapgrid.__file__)')"
 ); done
+[[ ! -e x ]] || fail 'the lines of env execute a part of the path'
 for tool in seed expand merge verify stats play view check-model; do
   expect 0 "hapgrid $tool 0.1.0" '' -- "$hapgrid" "$tool" -V
 done
@@ -46,13 +48,13 @@ expect 0 'hapgrid 0.1.0' '' -- "$hapgrid" --version
 expect 0 'hapgrid 0.1.0' '' -- "$hapgrid" -V
 
 # The manual pages are there; help.sh looks into them.
-man=moved${prefix#root}/share/man/man1
+man=$moved${prefix#root}/share/man/man1
 pages=$(ls "$man" | tr '\n' ' ')
 pages=${pages/hapgrid-table.1 /} pages=${pages/hapgrid-dock.1 /}
 [[ ${pages/hapgrid-molecule.1 /} == 'hapgrid-check-model.1 hapgrid-expand.1 hapgrid-feel.1 hapgrid-init.1 hapgrid-merge.1 hapgrid-play.1 hapgrid-plot.1 hapgrid-seed.1 hapgrid-stats.1 hapgrid-verify.1 hapgrid-view.1 hapgrid.1 ' ]]
-same 'the public headers' 'device.h plugin.h plugin.hpp ' "$(ls "moved${prefix#root}/include/hapgrid" | tr '\n' ' ')"
+same 'the public headers' 'device.h plugin.h plugin.hpp ' "$(ls "$moved${prefix#root}/include/hapgrid" | tr '\n' ' ')"
 # What the author of a plug-in or an adapter includes compiles, from the build folder and from the installation.
-for include in "$HAPGRID_BUILD/include" "moved${prefix#root}/include"; do
+for include in "$HAPGRID_BUILD/include" "$moved${prefix#root}/include"; do
   printf '#include <hapgrid/%s>\n' plugin.h device.h | gcc -std=c11 -fsyntax-only -xc -I "$include" -
   printf '#include <hapgrid/plugin.hpp>\n' | g++ -std=c++20 -fsyntax-only -xc++ -I "$include" -
 done

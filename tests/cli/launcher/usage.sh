@@ -29,3 +29,15 @@ usage merge seeds - - -o out
 nothing_left . seeds requests
 # Progress is shown on a terminal, never in a log.
 expect 0 '' '' -- expand --complete seeds -o out
+
+# What a long command needs is looked for before it begins: here, without the module that draws its last pictures.
+for command in molecule table dock; do
+  folder=${command/dock/docking}
+  refuses "$command: .*matplotlib.* missing: install the Debian packages? .*python3-matplotlib.*" -- \
+    /usr/bin/python3 -c 'import runpy, sys
+sys.modules["matplotlib"] = None
+runpy.run_path(sys.argv[1], run_name="__main__")' "$HAPGRID_SOURCE/examples/$folder/hapgrid-$command" nowhere -o dir
+  [[ ! -e dir ]] || fail "$command began"
+done
+
+expect 2 '' 'hapgrid: init: --include goes with nothing else (see hapgrid init --help)' -- init --include --lang c

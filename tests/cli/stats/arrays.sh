@@ -44,7 +44,7 @@ assert np.array_equal(np.column_stack([ticks[name] for name in columns]), text, 
 PYTHON
 
 see='\(see stats --help\)'
-expect 2 '' "~stats: --get, --npy and --log exclude each other $see" -- stats grid --npy a --get records
+expect 2 "" "~stats: --(get|npy) excludes --(get|npy) $see" -- stats grid --npy a --get records
 refuses 'stats: .*No space left on device' -- stats grid --npy /dev/full
 head -c 300 grid >cut
 refuses 'stats: cut: .*' -- stats cut --npy cut.npy

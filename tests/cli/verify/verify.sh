@@ -187,5 +187,5 @@ for count in some -1 1.5 ''; do
 done
 expect 2 '' "~verify: .*: - $see" -- verify - -
 expect 2 '' "~verify: .*--recompuet.*; did you mean --recompute\? $see" -- verify grid --recompuet none
-expect 2 '' "~verify: --quiet: .*$see" -- verify grid -q -v
+expect 2 '' "~verify: --(verbose|quiet) excludes --(verbose|quiet) $see" -- verify grid -q -v
 expect 2 '' "~verify: -j: .*|verify: --threads: .*" -- verify grid -j 0

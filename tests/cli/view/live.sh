@@ -14,6 +14,30 @@ cp "$HAPGRID_BUILD"/bin/{hapgrid,feel,seed} bare
 refuses 'hapgrid: feel: view is not built: make -f Makefile.example build' -- bare/hapgrid feel grid
 refuses 'play: nowhere: No such file or directory' -- hapgrid feel nowhere
 expect 2 '' '~play: .*--nonsense.*' -- hapgrid feel grid --nonsense
+# A page that cannot be served ends the play, which would wait for a hand for ever.
+refused() { # CODE PORT LINE
+  HAPGRID_FEEL_PORT=$2 expect "$1" "" "~(play: .*)?$3" -- timeout 60 hapgrid feel grid
+  nothing_left tmp
+  ! pgrep -f "$TMPDIR/hapgrid-feel" || fail 'a play was left'
+}
+refused 2 http "view: --port: .http. is not a port from 0 to 65535 \(see view --help\)"
+python3 -c 'import socket, time
+s = socket.create_server(("127.0.0.1", 0))
+print(s.getsockname()[1], flush=True)
+time.sleep(600)' >taken &
+first=$!
+wait_for 60 port test -s taken
+refused 1 "$(cat taken)" "view: cannot listen on port $(cat taken) of 127.0.0.1: is another program there\?"
+kill $first
+wait $first || :
+# A grid whose path has a blank, until a signal ends it.
+mkdir 'a b'
+cp grid 'a b/grid'
+hapgrid feel 'a b/grid' 2>err &
+first=$!
+wait_for 60 address grep -q '^hapgrid: feel: http' err
+kill $first
+wait $first && fail 'no exit code' || same 'exit code' 143 $?
 nothing_left tmp
 see='(see view --help)'
 for option in '--hand hand' --close; do

@@ -91,7 +91,7 @@ capnp decode "$frames" Message <scene | sed 's/version = 1/version = 2/' | capnp
 refuses 'view: changed: byte 0: format version 2, this program reads version 1' -- view changed
 nothing_left empty
 
-expect 2 '' "view: only one of --xyz, --png and --html can be standard output $see" \
+expect 2 '' "view: --xyz and --png cannot both be - $see" \
   -- view x.frames --xyz - --png -
 expect 2 '' "view: --style requires --png, --html, --web or --terminal $see" -- view x.frames --style sticks
 expect 2 '' "view: --style: balls not in {spheres,sticks} $see" -- view x.frames --png x --style balls

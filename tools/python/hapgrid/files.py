@@ -17,7 +17,12 @@ def program(name: str) -> str:
     return os.path.join(os.path.dirname(os.path.realpath(__file__)), "../../bin", name)
 
 
-def read(path: str | os.PathLike, grid: str | os.PathLike | None = None) -> dict:
+def model_words(folder: str | os.PathLike | None) -> list[str]:
+    """The option for a folder with plug-ins of one's own."""
+    return [] if folder is None else ["--model-path", os.fspath(folder)]
+
+
+def read(path: str | os.PathLike, grid: str | os.PathLike | None = None, model_path: str | os.PathLike | None = None) -> dict:
     """The arrays of a grid, a session, a text log or a file of frames, as a dict from their names to arrays of NumPy.
 
     hapgrid-stats(1) lists those of a grid and of a session. A grid's have a row for each record: "point" (n x 3),
@@ -30,7 +35,8 @@ def read(path: str | os.PathLike, grid: str | os.PathLike | None = None) -> dict
                    hand (that pulls the HIP by a spring; NaN without one)
 
     A session has neither states nor energies. With `grid`, the file of the grid that was played, play replays the
-    session there by its defaults, and the ticks are those of a text log, with both.
+    session there by its defaults, and the ticks are those of a text log, with both. `model_path` is the folder of the
+    grid's plug-in, where it is one of your own.
 
     Raises OSError when the file cannot be read, and ValueError when it is none of these or damaged.
     """
@@ -42,7 +48,7 @@ def read(path: str | os.PathLike, grid: str | os.PathLike | None = None) -> dict
         if MAGIC in start:
             return {"frames": read_frames(path, start + file.read())}
     if grid is not None:
-        return {"ticks": _replayed(path, os.fspath(grid))}
+        return {"ticks": _replayed(path, os.fspath(grid), model_path)}
     return _arrays(path)
 
 
@@ -92,8 +98,8 @@ def _arrays(path):
     raise ValueError(f"{path}: {why}")
 
 
-def _replayed(path, grid):
-    command = [program("play"), grid, "--device", f"replay:{path}", "--log", "-"]
+def _replayed(path, grid, model_path):
+    command = [program("play"), grid, "--device", f"replay:{path}", "--log", "-", *model_words(model_path)]
     result = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, check=False)
     if result.returncode != 0:
         raise ValueError(f"{path}: {result.stderr.decode(errors='replace').strip()}")

@@ -100,17 +100,17 @@ def _levels_legend(drawn, axes, levels, colours):
     drawn.colorbar(scale, ax=axes, label="levels")
 
 
-def columns(files, x: str, y: str, *, grid=None, names=None, labels=None):
+def columns(files, x: str, y: str, *, grid=None, names=None, labels=None, model_path=None):
     """Column `y` over column `x` of logs, sessions and files of frames, one over the other. The columns are those of
     hapgrid-play(1), and "force" and "sent" for the length of the vectors.
 
-    grid    the file of the grid that was played: it tells the units, and gives a session its states and energies
+    grid    the file of the grid that was played: it tells the units, and gives a session its states and energies; model_path: of its plug-in
     names   of the files in the legend
     labels  of the two axes, in place of the columns' names
 
     The way back is told from the way there, where x is a place. What the model does when it snaps is dotted."""
     files = [files] if isinstance(files, (str, os.PathLike)) else list(files)
-    plays = [Play(file, grid) for file in files]
+    plays = [Play(file, grid, model_path) for file in files]
     names = [os.path.basename(play.path) for play in plays] if names is None else list(names)
     if len(names) != len(plays):
         raise ValueError(f"{len(names)} names for {len(plays)} files")
@@ -180,12 +180,12 @@ def _curve(axes, x, y, snaps, name, colours, styles, over):
                 axes.plot(x[k - 1:k + 1], y[k - 1:k + 1], color=colour, zorder=3, **SNAP)
 
 
-def session(file, grid=None):
+def session(file, grid=None, model_path=None):
     """What happened in a play, over time: force, HIP, energy, times, and what was flagged. `file` is a session, a log or a file
-    of frames; `grid`, the grid that was played, adds units, and the energies of a session."""
+    of frames; `grid`, the grid that was played, adds units, and the energies of a session; model_path: of its plug-in."""
     import numpy
 
-    play = Play(file, grid)
+    play = Play(file, grid, model_path)
     panels = [_force_panel, _hip_panel]
     panels += [_work_panel] if play.report and "flags" in play.ticks.dtype.names else []
     panels += [_energy_panel] if "energy" in _there(play) else []

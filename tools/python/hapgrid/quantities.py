@@ -26,9 +26,9 @@ class Play:
     """A log, session or file of frames. ticks: as read() has them; units: of "length", "energy" and "state", "" where they
     are not known."""
 
-    def __init__(self, path, grid=None):
+    def __init__(self, path, grid=None, model_path=None):
         self.path = os.fspath(path)
-        arrays = read(self.path, grid)
+        arrays = read(self.path, grid, model_path)
         self.ticks = arrays.get("ticks", arrays.get("frames"))
         if self.ticks is None:
             raise ValueError(f"{self.path}: a grid, not a session, log or file of frames")

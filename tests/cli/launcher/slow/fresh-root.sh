@@ -31,7 +31,7 @@ hapgrid play process.grid --device path:$ball/path-there-and-back.txt --rate 200
 status=0
 hapgrid molecule --smiles CCCC -o butane 2>said || status=$?
 [[ $status == 1 && $(wc -l <said) == 1 && ! -e butane ]]
-grep 'install the Debian package python3-' said
+grep 'install the Debian packages python3-numpy python3-rdkit' said
 status=0
 hapgrid plot slice process.grid -o levels.png 2>said || status=$?
 [[ $status == 1 && $(wc -l <said) == 1 && ! -e levels.png ]]
@@ -48,7 +48,7 @@ PYTHON
 status=0
 hapgrid molecule --smiles CCCC -o butane 2>said || status=$?
 [[ $status == 1 && $(wc -l <said) == 1 && ! -e butane ]]
-grep 'install the Debian package libxtb6' said
+grep 'install the Debian packages libxtb6 python3-matplotlib\|install the Debian packages python3-matplotlib libxtb6' said
 
 apt-get remove -y -qq hapgrid >/dev/null
 [[ -z $(find /usr -path '*hapgrid*' ! -name '__pycache__' ! -name '*.pyc') ]]
