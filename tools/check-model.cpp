@@ -174,6 +174,7 @@ int main(int argc, char** argv) {
       "  deterministic  C, asked again and asked of a second model, answers with the same bits\n"
       "  together       the same while two threads ask two models\n"
       "  stays          C(s, x, 0) = s within the tolerance\n"
+      "  stable         it comes back from a push of 10 tolerances to one side or to the other\n"
       "  reflexive, symmetric   of the tolerance function\n"
       "  finite         forces and shapes are finite numbers\n"
       "  gradient       the force is the energy's negative gradient, within 2 % of the largest\n"

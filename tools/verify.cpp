@@ -41,6 +41,7 @@ constexpr const char* kChecks =
     "               links lead from the seeds to each record, as far as its generation\n"
     "  fidelity, stored, tears\n"
     "               the model, asked again, gives what the grid has\n"
+    "  stable       states come back from a push, and are on no barrier's top\n"
     "  snaps        the model snaps at the same links in short pieces, and does not leap\n"
     "  continuous   the state jumps nowhere but where it snaps\n"
     "  gradient, steep\n"

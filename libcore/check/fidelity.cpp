@@ -11,6 +11,8 @@
 #include "libcore/base/random.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/grid/describe.hpp"
+#include "libcore/grid/state_distance.hpp"
+#include "libcore/grid/vec3.hpp"
 
 namespace hapgrid {
 
@@ -23,6 +25,11 @@ constexpr std::size_t kSampleBlock = 64;
 // The search evaluates force and shape at x + d, this at the point's own position: half a unit in
 // the last place of x apart, which the stiffest contacts make 1e-10 of a force.
 constexpr double kStoredTolerance = 1e-6;
+
+// Of the spacing: a step that makes C look for a minimum, and that hardly any state snaps in.
+constexpr double kNudge = 1e-6;
+// Of the distance by which a state was pushed: farther away than that it has fallen.
+constexpr double kFallen = 3;
 
 /// Whether the link in direction q of a record can be compared.
 bool is_settled(const Grid& grid, RecordIndex r, int q) {
@@ -98,6 +105,15 @@ void recompute_stored(const Grid& grid, RecordIndex r, Model& model, std::vector
   }
 }
 
+void push(const Grid& grid, RecordIndex r, Model& model, std::vector<double>&, Findings& found) {
+  if (!is_finite(grid.state(r))) return;
+  ++found.counted;
+  const std::string where =
+      falls_away(model, grid.spec(), grid.state(r), grid.box().position(grid.point(r)));
+  if (!where.empty())
+    found.offend(location_of(grid, r), [&] { return describe(grid, r) + ": " + where; });
+}
+
 /// Runs work_on(grid, record, model, numbers, findings) for all records, in threads. Findings are
 /// kept by block and joined in order, so that the threads leave no trace.
 template <class Work>
@@ -146,6 +162,39 @@ Check check_fidelity(const Grid& grid, std::span<const RecordIndex> records,
   Check check{
       "fidelity", "conversions", "links to a state that C, evaluated again, does not reach", {}};
   check.found = for_each_record(grid, records, make_model, threads, records_done, recompute);
+  return check;
+}
+
+std::string falls_away(Model& model, const GridSpec& spec, std::span<const double> s,
+                       const Vec3& x) {
+  StateDistance distance(spec, [&](const double* a, const double* b) { return model.equal(a, b); });
+  const Vec3 nudge{kNudge * spec.box.spacing, 0, 0};
+  std::string where;
+  for (const double side : {1.0, -1.0}) {
+    SplitMix64 random(1);
+    std::vector<double> pushed(s.begin(), s.end()), beside(spec.row_size()), ended(beside);
+    for (double& component : pushed)
+      component += side * kPush * spec.tolerance * (random.below(2) ? 1 : -1);
+    orthonormalise_rotations(spec.equality, pushed);
+    if (!model.convert(pushed.data(), x, nudge, beside.data()) ||
+        !model.convert(beside.data(), x + nudge, -1 * nudge, ended.data()) ||
+        model.equal(ended.data(), s.data()) || distance(ended, s) < kFallen * distance(pushed, s))
+      return "";
+    where +=
+        (where.empty() ? "falls to " : " and to ") + state_text(std::span(ended).first(s.size()));
+  }
+  return where;
+}
+
+Check check_stable(const Grid& grid, std::span<const RecordIndex> records,
+                   const MakeModel& make_model, int threads) {
+  Check check{
+      "stable",
+      "records",
+      "states that are not at rest, as on the top of a barrier: pushed, they do not come back",
+      {}};
+  std::atomic<std::uint64_t> records_done{0};
+  check.found = for_each_record(grid, records, make_model, threads, records_done, push);
   return check;
 }
 

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "libcore/check/invariants.hpp"
@@ -21,6 +22,23 @@ std::vector<RecordIndex> sample_records(const Grid& grid, std::uint64_t count, s
 /// `stored`: evaluates force, energy and shape of `records` again and compares them with the stored
 /// numbers. The arguments are those of check_fidelity().
 Check check_stored(const Grid& grid, std::span<const RecordIndex> records,
+                   const MakeModel& make_model, int threads);
+
+/// How far a state is pushed, in tolerances: beyond what C may leave, and well within a basin.
+/// States that are nearer to each other are hardly told apart.
+inline constexpr double kPush = 10;
+
+/// Where a state of rest at x goes when each component is pushed to one side, and where when it is
+/// pushed to the other; empty where it comes back from one of them. The HIP makes the shortest of
+/// steps and goes back, for C(s, x, 0) may be s without a look. A state that is not at rest, as on
+/// the top of a barrier, falls away on both sides. One that is about to snap falls on one, and
+/// where there is friction it stays where it was pushed to.
+std::string falls_away(Model& model, const GridSpec& spec, std::span<const double> s,
+                       const Vec3& x);
+
+/// `stable`: pushes the states of `records`, as falls_away() does. The arguments are those of
+/// check_fidelity().
+Check check_stable(const Grid& grid, std::span<const RecordIndex> records,
                    const MakeModel& make_model, int threads);
 
 /// `fidelity`: evaluates C in all settled directions of `records` and compares the state reached

@@ -12,6 +12,7 @@
 #include "libcore/base/format.hpp"
 #include "libcore/base/random.hpp"
 #include "libcore/base/text.hpp"
+#include "libcore/check/fidelity.hpp"
 #include "libcore/check/snaps.hpp"
 #include "libcore/grid/describe.hpp"
 #include "libcore/grid/direction.hpp"
@@ -127,8 +128,8 @@ class ModelWalker {
     TryStep try_step;  ///< null: what is found elsewhere
     bool is_note = false;
   };
-  static constexpr std::size_t kDefined = 0, kDeterministic = 1, kTogetherRow = 2, kSane = 7,
-                               kHalves = 8, kReturns = 9, kSnaps = 10, kTrials = 11;
+  static constexpr std::size_t kDefined = 0, kDeterministic = 1, kTogetherRow = 2, kSane = 8,
+                               kHalves = 9, kReturns = 10, kSnaps = 11, kTrials = 12;
   static const std::array<Trial, kTrials>& trials() {
     static constexpr std::array<Trial, kTrials> all{{
         {"defined", "conversions", "conversions that C fails on", nullptr},
@@ -142,6 +143,9 @@ class ModelWalker {
         {"stays", "states",
          "C(s, x, 0) is another state than s: a state that was reached is not at rest",
          &ModelWalker::try_to_stay},
+        {"stable", "states",
+         "states that are not at rest, as on the top of a barrier: pushed, they do not come back",
+         &ModelWalker::try_to_push},
         {"reflexive", "states", "the tolerance function says that a state differs from itself",
          &ModelWalker::try_reflexive},
         {"symmetric", "pairs", "the tolerance function depends on the order of its arguments",
@@ -256,6 +260,16 @@ class ModelWalker {
       found.offend([&] {
         return format("{}: from {} to {}{}", describe(spec_.box, step.point),
                       state_text(step.arrived), state_of(other_), between(other_, step.arrived));
+      });
+  }
+
+  void try_to_push(const Step& step, Findings& found) {
+    ++found.counted;
+    const std::string where = falls_away(*model_, spec_, step.arrived, step.there);
+    if (!where.empty())
+      found.offend([&] {
+        return format("{}: {} {}", describe(spec_.box, step.point), state_text(step.arrived),
+                      where);
       });
   }
 

@@ -113,6 +113,7 @@ std::vector<Check> examine(const Grid& grid, const Examination& asked) {
     add(recompute_conversions(grid, sample, make_model, asked.threads));
     if (is_stored) add(check_stored(grid, sample, make_model, asked.threads));
     if (grid.has_tears()) add(recompute_tears(grid, sample, *source, asked.threads));
+    add(check_stable(grid, sample, make_model, asked.threads));
     add(check_snaps(grid, sample, make_model, asked.threads));
   }
 

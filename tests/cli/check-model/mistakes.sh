@@ -36,6 +36,8 @@ class Bead:
             place = s[0] + (place - s[0]) * (1 - 0.01 * (abs(place - s[0]) > 0.01))
         if self.mistake == "slow":
             time.sleep(0.3)
+        if self.mistake == "top":  # a solver of force = 0 finds the top of a barrier, and stays there until it is pushed
+            return [place, math.copysign(1, s[1]) if s[1] else 0.0]
         return [place, 0.0]
 
     def force(self, s, x):
@@ -68,7 +70,7 @@ finds() {
 }
 any='(.|'$'\n'')*'
 finds none 0 "${any}returns +60 conversions +0  note${any}spread 0: 99 % of the states that count as the same are this near; the tolerance is 1e-06$any" \
-  'check-model: fine: 8 checks'
+  'check-model: fine: 9 checks'
 # What is said first is what matters most.
 finds 'no force' 0 "check +counted +offenders +verdict"$'\n'"felt +1 models +1  note"$'\n'"${any}"$'\n\n'"felt: a model without a force: nothing of its grid can be felt.*"$'\n'"$any" \
   'check-model: fine: [0-9]+ checks'
@@ -88,6 +90,10 @@ finds 'last bits' 0 "${any}deterministic +120 conversions +[0-9]+  note$any"$'\n
   'check-model: fine: .*'
 finds history 3 "${any}, component 0 differs most, by 0\.0001"$'\n'"$any" 'check-model: broken: deterministic .*'
 finds damped 3 "${any}stays: .*"$'\n'"$any, component 0 differs most, by [0-9.e-]+"$'\n'"$any" 'check-model: broken: .*stays.*'
+finds top 3 "${any}stable +60 states +60  broken$any" 'check-model: broken: stable \(60 of 60\)'
+grep -qE 'falls to [(]?-?[0-9.]+, -?1[)]? and to [(]?-?[0-9.]+, -?1[)]?$' "$work/got/out" || fail 'not where it falls to'
+seed mistaken.toml --allow-process | expand --complete --allow-process mistaken.toml -o top.grid
+expect 3 "~${any}stable +81 records +81  broken$any" '~verify: broken: stable \(81 of 81\)' -- verify top.grid --allow-process mistaken.toml
 
 # A slow model: no conversion of the walks begins after their time, though a step takes a dozen. Each takes 0.3 s.
 define slow >slow.toml

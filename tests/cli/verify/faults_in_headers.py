@@ -27,17 +27,17 @@ def parameter(name, *rows, grid="ball", refused=None, **changes):
                 p["value"] = {"number": changes[p["key"]]}
 
 
-box("the spacing 1 % larger", "fidelity", spacing=0.101)
-box("the spacing doubled", "fidelity", spacing=0.2)
-box("the origin moved", "fidelity", originX=-0.6)
+box("the spacing 1 % larger", "fidelity", "stable", spacing=0.101)
+box("the spacing doubled", "fidelity", "stable", spacing=0.2)
+box("the origin moved", "fidelity", "stable", originX=-0.6)
 box("the origin not finite", refused="box: origin is not finite", originY="NaN")
 box("a plane of points more", "coverage", "links", "continuous", countZ=3)
 box("a plane of points less", refused="point 42 is outside the box", countZ=1)
-box("points in x and y exchanged", "links", "reachable", "generations", "fidelity", "continuous", countX=3, countY=14)
-box("points in y and z exchanged", "links", "fidelity", "continuous", countY=2, countZ=3)
+box("points in x and y exchanged", "links", "reachable", "generations", "fidelity", "stable", "continuous", countX=3, countY=14)
+box("points in y and z exchanged", "links", "fidelity", "stable", "continuous", countY=2, countZ=3)
 box("no points", refused="box: a count is 0...", countY=0)
 box("more points than can be", refused="box: more than 4294967295 grid points", countX=4294967295)
-parameter("another radius of the balls", "fidelity", radius=0.11)
+parameter("another radius of the balls", "fidelity", "stable", radius=0.11)
 parameter("another weight", "stored", grid="stored", weight=1.5)
 parameter("another bound of the force", "stored", grid="stored", max_force=0.2)
 parameter("another tolerance of the model", refused="it and the grid differ in tolerance...", tolerance=1e-5)

@@ -20,12 +20,12 @@ for number in ("nan", "inf", "-inf"):
         return named(g, row)
 
 
-@fault("a state of the other sign", "fidelity")
+@fault("a state of the other sign", "fidelity", "stable")
 def _(g):
     g.at(MIDDLE)["state"][0] *= -1
 
 
-@fault("a state that was lost: 0", "fidelity")
+@fault("a state that was lost: 0", "fidelity", "stable")
 def _(g):
     g.at(MIDDLE)["state"] = [0.0]
 
@@ -36,7 +36,7 @@ def _(g):
     a["state"], b["state"] = b["state"], a["state"]
 
 
-@fault("the states of two points exchanged", "fidelity")
+@fault("the states of two points exchanged", "fidelity", "stable")
 def _(g):
     a, b = g.at(MIDDLE), g.at(MIDDLE + 1)
     a["state"], b["state"] = b["state"], a["state"]
@@ -54,19 +54,19 @@ def _(g):
     g.at(MIDDLE)["state"] = [g.at(MIDDLE, 1)["state"][0] + 0.5 * TOLERANCE]
 
 
-@fault("all states scaled", "fidelity")
+@fault("all states scaled", "fidelity", "stable")
 def _(g):
     for row in g.rows:
         row["state"][0] *= 1.001
 
 
-@fault("all states in degrees", "fidelity")
+@fault("all states in degrees", "fidelity", "stable")
 def _(g):
     for row in g.rows:
         row["state"][0] = math.degrees(row["state"][0])
 
 
-@fault("the states of all points shifted by one record", "fidelity")
+@fault("the states of all points shifted by one record", "fidelity", "stable")
 def _(g):
     states = [row["state"] for row in g.rows]
     for row, state in zip(g.rows, states[1:] + states[:1]):

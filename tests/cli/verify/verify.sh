@@ -17,6 +17,7 @@ distinct           0 pairs of levels          0  ok
 reachable         24 records                  0  ok
 generations       24 records                  0  ok
 fidelity         256 conversions              0  ok
+stable            24 records                  0  ok
 snaps              0 one-way links            0  note
 continuous        48 cells                    0  ok
 gradient          20 forces                   0  note
@@ -47,12 +48,12 @@ passive: snaps that lead up, so that a closed walk gains energy
   largest gain 0 N rope lengths
   largest loss 0 N rope lengths'
 # The ball is nowhere touched.
-expect 0 "$table" 'verify: fine: 10 checks' -- verify grid
-expect 0 "$table$ends$gradient$steep" 'verify: fine: 10 checks' -- verify --verbose <grid
-expect 0 "$table" 'verify: fine: 10 checks' -- verify grid --recompute all -j 3
-expect 0 '' 'verify: fine: 10 checks' -- verify grid -o report
+expect 0 "$table" 'verify: fine: 11 checks' -- verify grid
+expect 0 "$table$ends$gradient$steep" 'verify: fine: 11 checks' -- verify --verbose <grid
+expect 0 "$table" 'verify: fine: 11 checks' -- verify grid --recompute all -j 3
+expect 0 '' 'verify: fine: 11 checks' -- verify grid -o report
 same "the report in a file" "$table" "$(cat report)"
-expect 0 "$(grep -vE '^(fidelity|snaps)' report)" 'verify: fine: 9 checks' -- verify grid --recompute none
+expect 0 "$(grep -vE '^(fidelity|stable|snaps)' report)" 'verify: fine: 9 checks' -- verify grid --recompute none
 expect 0 '' '' -- verify grid -q
 
 # The force of other rules has no energy that could be compared.
@@ -66,7 +67,7 @@ expect 3 '' '' -- verify seeds --quiet
 # The whole ball, all of it evaluated again; a sample is the same each time, with any -j.
 seed "$ball" | expand --complete -o ball.grid
 verify ball.grid --recompute all -j 2 -v >all 2>err
-same "verdict" 'verify: fine: 12 checks' "$(cat err)"  # two of them for its tear fractions
+same "verdict" 'verify: fine: 13 checks' "$(cat err)"  # two of them for its tear fractions
 same "tears" "$(stats ball.grid --get one_way_links)" "$(awk '$1 == "tears" { print $2 }' all)"
 same "conversions" "$(stats ball.grid --get conversions)" "$(awk '$1 == "fidelity" { print $2 }' all)"
 verify ball.grid --recompute 37 --sample-seed 5 --format json >one 2>err
@@ -94,6 +95,7 @@ distinct           0 pairs of levels          0  ok
 reachable          8 records                  0  ok
 generations        8 records                  0  ok
 fidelity           0 conversions              0  ok
+stable             0 records                  0  ok
 snaps              0 one-way links            0  note
 continuous         0 cells                    0  ok
 gradient           0 forces                   0  note
@@ -155,7 +157,7 @@ import xml.etree.ElementTree as xml
 suite = xml.parse("junit.xml").getroot()
 cases = suite.findall("testcase")
 broken = [case.get("name") for case in cases if case.find("failure") is not None]
-assert suite.tag == "testsuite" and int(suite.get("tests")) == len(cases) == 13, suite.attrib
+assert suite.tag == "testsuite" and int(suite.get("tests")) == len(cases) == 14, suite.attrib
 assert broken == ["complete", "coverage", "passive"] and suite.get("failures") == "3", broken
 failure = cases[0].find("failure")
 assert failure.get("message").startswith("8 of 8 records: records that no expand"), failure.attrib

@@ -13,6 +13,7 @@ from typing import Any
 
 SHOWN = 80  # characters of what a function returned
 IN_FLIGHT = 26  # questions that a model with convert_many() asks for at a time: all directions of a record
+ROWS = 32  # that convert_many() gets, always: matrix products round a row otherwise when there are more or fewer of them
 WHOLE = 2.0**53  # floats below are exact whole numbers
 
 
@@ -38,8 +39,8 @@ def serve(model: Callable[..., Any]) -> None:
     A parameter that is a whole number is an int, unless its default is a float.
 
     A model for NumPy or a GPU may have convert_many(s, x, d) in place of convert(): arrays with a row a question (k x n,
-    k x 3, k x 3), and it returns the states as k rows, or a dict of arrays as above. k varies, and a row must not depend
-    on the others, to the last bit.
+    k x 3, k x 3), and it returns the states as k rows, or a dict of arrays as above. k is always 32: the last question is
+    repeated where there are fewer, so that matrix products round all alike. A row must not depend on the others.
 
     What the model or its libraries then print goes to standard error, and standard input is empty. An exception in one of
     the functions ends the search with its text.
@@ -110,14 +111,18 @@ class _Served:
             return [self.answer(question) for question in questions]
 
     def _convert_many(self, questions):
+        return [row for i in range(0, len(questions), ROWS) for row in self._convert_block(questions[i:i + ROWS])]
+
+    def _convert_block(self, questions):
         import numpy
 
-        reached = self.served.convert_many(*(numpy.array([q[key] for q in questions]) for key in ("s", "x", "d")))
+        padded = questions + questions[-1:] * (ROWS - len(questions))
+        reached = self.served.convert_many(*(numpy.array([q[key] for q in padded]) for key in ("s", "x", "d")))
         columns = dict(reached) if isinstance(reached, dict) else {"s": reached}
         for key, column in columns.items():
-            if not hasattr(column, "__len__") or len(column) != len(questions):
-                raise ValueError(f'convert_many() must return a row of "{key}" for each of {len(questions)} questions, it '
-                                 f"returned {_shown(column)}")
+            if not hasattr(column, "__len__") or len(column) != ROWS:
+                raise ValueError(f'convert_many() must return a row of "{key}" for each of {ROWS} questions, it returned '
+                                 f"{_shown(column)}")
         return [{key: column[i] for key, column in columns.items()} for i in range(len(questions))]
 
     def _convert(self, s, x, d):
