@@ -116,9 +116,11 @@ void append_cost(const std::string& file, const RunCost& cost) {
                                  {"host", host.data()}};
   if (!cost.failed.empty()) line["failed"] = cost.failed;
   const FileDescriptor out(::open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
-  // Lines of processes that share the file stay whole, also when the disk takes half of one.
+  // Lines of processes that share the file stay whole, also when the disk takes half of one. A file
+  // system that has no locks does without that.
   struct stat before {};
-  if (!out || ::flock(out.get(), LOCK_EX) != 0 || ::fstat(out.get(), &before) != 0)
+  if (!out || (::flock(out.get(), LOCK_EX) != 0 && errno != ENOLCK && errno != ENOSYS) ||
+      ::fstat(out.get(), &before) != 0)
     throw std::system_error(errno, std::generic_category(), file);
   const std::string text = json_line(line) + "\n";
   try {
