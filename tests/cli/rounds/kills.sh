@@ -25,7 +25,7 @@ for tool in expand merge; do
 filter=("$HAPGRID_BIN/$tool" "\$@")
 file=\$(sed 's/.* -o \([^ ]*\).*/\1/' <<<"\$*") part=\${!#}
 file=\${file/'{}'/\${part/'/'/-of-}}
-[[ -e \$file ]] || echo "\$file" >>"$PWD/journal"
+[[ \$* != *' -o '* || -e \$file ]] || echo "\$file" >>"$PWD/journal"
 exec "\${filter[@]}"
 TOOL
   chmod +x bin/$tool
