@@ -19,6 +19,7 @@
 #include "libcore/shard/load.hpp"
 #include "libcore/shard/writer.hpp"
 #include "tools/common/crash.hpp"
+#include "tools/common/inputs.hpp"
 #include "tools/common/models.hpp"
 #include "tools/common/progress.hpp"
 #include "tools/common/signals.hpp"
@@ -150,6 +151,10 @@ void tell_cost(const Options& options, std::uint32_t generation, Part part,
 int run(const Options& options) {
   const Part part = part_of(options.part);
   if (options.complete && part.of != 1) throw UsageError("--complete: works on the whole frontier");
+  keep_inputs({{"--output", options.output},
+               {"--output", options.complete ? options.output + ".partial" : ""},
+               {"--cost", options.cost}},
+              {{options.grid, "grid"}, {options.model.allowed, "definition"}});
   announce_terminal(options.grid);
   const Section grid = open_grid(options.grid);
   const GridSpec& spec = grid.header.spec;

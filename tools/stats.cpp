@@ -13,6 +13,7 @@
 #include "libcore/session/reader.hpp"
 #include "libcore/shard/load.hpp"
 #include "libcore/shard/section.hpp"
+#include "tools/common/inputs.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/stats/arrays.hpp"
 #include "tools/stats/session.hpp"
@@ -122,7 +123,11 @@ void show_grid(const Options& options) {
 
 int run(const Options& options) {
   check_options(options);
-  announce_terminal(options.log.empty() ? options.grid : options.log);
+  const std::string& input = options.log.empty() ? options.grid : options.log;
+  std::vector<Input> inputs{{input, options.log.empty() ? "grid" : "session"}};
+  for (const std::string& cost : options.costs) inputs.push_back({cost, "cost"});
+  keep_inputs({{"--output", options.output}, {"--npy", options.npy}}, inputs);
+  announce_terminal(input);
   options.log.empty() ? show_grid(options) : show_log(options);
   return kExitDone;
 }

@@ -2,13 +2,13 @@
 
 #include <unistd.h>
 
-#include <filesystem>
 #include <string>
-#include <system_error>
+#include <vector>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
+#include "tools/common/inputs.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/play/beside.hpp"
 #include "tools/play/log.hpp"
@@ -17,36 +17,20 @@ namespace hapgrid {
 
 namespace {
 
-/// Whether two names are the same file.
-bool same_file(const std::string& a, const std::string& b) {
-  std::error_code ignored;  // when one of them does not exist they are not the same
-  return !a.empty() && (a == b || std::filesystem::equivalent(a, b, ignored));
-}
-
 /// @throw UsageError when an output would replace an input, or two outputs are one file.
 void check_files(const PlayOptions& options) {
   const std::string input = input_file(*options.device);
   if (options.grid == "-" && input == "-")
     throw UsageError("the grid and the device cannot both be standard input");
-  struct Output {
-    const char* option;
-    const char* what;
-    const std::string& file;
-  };
-  const Output outputs[] = {{"--log", "the log", options.log},
-                            {"--frames", "the frames", options.frames},
-                            {"--report", "the report", options.report},
-                            {"--sessions", "the table", options.sessions}};
-  for (const Output& output : outputs) {
-    if (output.file == "-") continue;
-    const char* replaced = same_file(output.file, input)          ? "file that --device names"
-                           : same_file(output.file, options.grid) ? "grid"
-                                                                  : nullptr;
-    if (replaced)
-      throw UsageError(format("{}: {} would replace the {}", output.option, output.what, replaced));
-  }
-  for (std::size_t i = 0; i < std::size(outputs); ++i)
-    for (std::size_t j = i + 1; j < std::size(outputs); ++j)
+  const std::vector<Output> outputs = {{"--log", options.log},
+                                       {"--frames", options.frames},
+                                       {"--report", options.report},
+                                       {"--sessions", options.sessions}};
+  keep_inputs(outputs, {{input, "file that --device names"},
+                        {options.grid, "grid"},
+                        {options.model.allowed, "definition"}});
+  for (std::size_t i = 0; i < outputs.size(); ++i)
+    for (std::size_t j = i + 1; j < outputs.size(); ++j)
       if (same_file(outputs[i].file, outputs[j].file))
         throw UsageError(format("{} and {} cannot both be {}", outputs[i].option, outputs[j].option,
                                 outputs[j].file));
