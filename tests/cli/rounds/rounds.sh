@@ -106,6 +106,20 @@ nothing_left my.rounds lock seeds 00000.grid 00000.requests.1-of-2 cost
 expect 0 '~.*' '' -- hapgrid rounds my.toml --parts 3
 cmp my.grid reference
 
+# As many parts at a time as there are processors, whatever linear algebra is told; a signal ends all of them.
+export HAPGRID_MODEL_PATH=$HAPGRID_BUILD/tests/plugins
+cat >toy.toml <<TOML
+model = {plugin = "toy", parameters = {amplitude = 0, milliseconds = 100}}
+grid = {origin = [0, 0, 0], spacing = 1, counts = [9, 9, 9]}
+TOML
+at_work() { pgrep -fc "^[^ ]*/expand $1/toy.rounds/.*--part" || true; }  # not xargs, whose words these are, too
+OMP_NUM_THREADS=1 hapgrid rounds toy.toml -o "$PWD/toy.grid" >out 2>err &
+driver=$!
+wait_for 60 "part for each processor" eval '(($(at_work "$PWD") == $(nproc)))'
+kill $driver
+wait $driver || true
+wait_for 20 "end of the parts" eval '(($(at_work "$PWD") == 0))'
+
 # Two drivers in one folder: the second ends with a line that says why, and touches nothing.
 before=$(kept my.rounds)
 (
