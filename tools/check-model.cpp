@@ -127,7 +127,7 @@ std::string report_json(const GridSpec& spec, const ModelInfo& info, const Model
 }
 
 int run(const Options& options) {
-  const Definition definition = load_definition(options.definition);
+  const Definition definition = load_definition(options.definition, options.output);
   const auto source = model_source(definition, options.definition.file, options.model);
   const auto model = source->create(definition.parameters);
   const GridSpec spec = spec_of(definition, *model);

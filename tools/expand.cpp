@@ -20,12 +20,12 @@
 #include "libcore/shard/load.hpp"
 #include "libcore/shard/writer.hpp"
 #include "tools/common/crash.hpp"
+#include "tools/common/inputs.hpp"
 #include "tools/common/models.hpp"
 #include "tools/common/progress.hpp"
 #include "tools/common/signals.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/expand/launcher.hpp"
-#include "tools/expand/processes.hpp"
 
 namespace {
 
@@ -37,7 +37,6 @@ struct Options {
   std::string part = "1/1";
   bool complete = false;
   unsigned threads = 1;
-  unsigned processes = 0;
   std::string cost;
   ModelOptions model;
 };
@@ -150,32 +149,13 @@ void tell_cost(const Options& options, std::uint32_t generation, Part part,
                              part.number, part.of, failed});
 }
 
-int run_in_processes(const Options& options) {
-  if (options.part != "1/1" || options.threads != 1)
-    throw UsageError("--processes: is for a whole round, and excludes --part and --threads");
-  if (options.grid == "-" && options.model.allowed == "-")
-    throw UsageError("only one input can be standard input");
-  announce_terminal(options.grid);
-  ProcessRounds rounds{options.grid, options.output, options.complete, options.processes, {}, {}};
-  for (const std::string& path : options.model.path)
-    rounds.of_both.insert(rounds.of_both.end(), {"--model-path", path});
-  if (!options.cost.empty()) rounds.of_both.insert(rounds.of_both.end(), {"--cost", options.cost});
-  const auto add = [&](const char* option, const std::string& value) {
-    rounds.of_expand.insert(rounds.of_expand.end(), {option, value});
-  };
-  if (!options.model.allowed.empty()) {
-    add("--allow-process", options.model.allowed);
-    add("--process-timeout", format("{}", options.model.process.timeout_seconds));
-  }
-  if (options.model.process.in_flight > 0)
-    add("--in-flight", std::to_string(options.model.process.in_flight));
-  return expand_in_processes(rounds);
-}
-
 int run(const Options& options) {
-  if (options.processes > 0) return run_in_processes(options);
   const Part part = part_of(options.part);
   if (options.complete && part.of != 1) throw UsageError("--complete: works on the whole frontier");
+  keep_inputs({{"--output", options.output},
+               {"--output", options.complete ? options.output + ".partial" : ""},
+               {"--cost", options.cost}},
+              {{options.grid, "grid"}, {options.model.allowed, "definition"}});
   announce_terminal(options.grid);
   const Section grid = open_grid(options.grid);
   const GridSpec& spec = grid.header.spec;
@@ -252,11 +232,6 @@ int main(int argc, char** argv) {
       .type("N")
       .whole(0, 1024)
       .shows_default();
-  app.add("--processes", options.processes,
-          "Processes in place of threads, each with a model of its own, for a plug-in whose models "
-          "share data (1 to 1024); merge runs between the rounds of --complete")
-      .type("N")
-      .whole(1, 1024);
   add_cost(app, options.cost);
   add_model_options(app, options.model);
   return run_tool(app, argc, argv, [&] {

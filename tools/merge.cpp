@@ -6,6 +6,7 @@
 
 #include "libcore/base/file.hpp"
 #include "libcore/base/format.hpp"
+#include "tools/common/inputs.hpp"
 #include "tools/common/models.hpp"
 #include "tools/common/progress.hpp"
 #include "tools/common/tool.hpp"
@@ -35,6 +36,9 @@ std::uint32_t write_small(const std::string& name, const std::string& output) {
 std::uint32_t write_merged(const std::vector<std::string>& names, const Options& options) {
   allow_open_files(names.size());
   const MergeInput input = merge_input(open_sections(names));
+  for (const std::string& name : names)  // the grid may be replaced by the merged one
+    if ((name == "-" ? "standard input" : name) != input.grid.file->name())
+      keep_inputs({{"--output", options.output}}, {{name, "requests"}});
   const auto model = judging_model(input.grid.header.spec, options.model_path);
   const SectionHeader header = input.merged_header();
   OutputFile out(options.output);
@@ -56,6 +60,7 @@ std::uint32_t write_merged(const std::vector<std::string>& names, const Options&
 int run(const Options& options) {
   const std::vector<std::string> names = inputs_or_stdin(options.shards);
   if (options.small && names.size() > 1) throw UsageError("--small: takes one grid");
+  for (const std::string& name : names) keep_inputs({{"--cost", options.cost}}, {{name, "input"}});
   const std::uint32_t generation =
       options.small ? write_small(names.front(), options.output) : write_merged(names, options);
   RunCost cost;

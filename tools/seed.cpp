@@ -17,7 +17,7 @@ struct Options {
 
 int run(const Options& options) {
   using namespace hapgrid;
-  const Definition definition = load_definition(options.definition);
+  const Definition definition = load_definition(options.definition, options.output);
   const auto model = model_source(definition, options.definition.file, options.model)
                          ->create(definition.parameters, definition.store);
   const GridSpec spec = spec_of(definition, *model);

@@ -13,6 +13,7 @@
 #include "libcore/session/reader.hpp"
 #include "libcore/shard/load.hpp"
 #include "libcore/shard/section.hpp"
+#include "tools/common/inputs.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/stats/arrays.hpp"
 #include "tools/stats/session.hpp"
@@ -115,7 +116,11 @@ int run(const Options& options) {
   if (!options.costs.empty() && !options.get.empty() && !options.get.starts_with("costs") &&
       options.get != "cpu_hours")
     throw UsageError(format("--get: {} does not depend on --cost", options.get));
-  announce_terminal(options.log.empty() ? options.grid : options.log);
+  const std::string& input = options.log.empty() ? options.grid : options.log;
+  std::vector<Input> inputs{{input, options.log.empty() ? "grid" : "session"}};
+  for (const std::string& cost : options.costs) inputs.push_back({cost, "cost"});
+  keep_inputs({{"--output", options.output}, {"--npy", options.npy}}, inputs);
+  announce_terminal(input);
   options.log.empty() ? show_grid(options) : show_log(options);
   return kExitDone;
 }

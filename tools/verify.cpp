@@ -10,6 +10,7 @@
 #include "libcore/base/text.hpp"
 #include "libcore/check/report.hpp"
 #include "libcore/shard/load.hpp"
+#include "tools/common/inputs.hpp"
 #include "tools/common/models.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/verify/examine.hpp"
@@ -84,6 +85,8 @@ int run(const Options& options) {
   Examination asked = options.asked;
   parse_recompute(options.recompute, asked.recompute);
   if (asked.accuracy && asked.walks == 0) asked.walks = kDefaultWalks;
+  keep_inputs({{"--output", options.output}},
+              {{options.grid, "grid"}, {asked.model.allowed, "definition"}});
   announce_terminal(options.grid);
   const LoadedGrid loaded = load_grid(options.grid);
   return tell(loaded.grid, examine(loaded.grid, asked), options);

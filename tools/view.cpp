@@ -18,6 +18,7 @@
 #include "libcore/scene/render.hpp"
 #include "libcore/scene/stream.hpp"
 #include "libcore/scene/trajectory.hpp"
+#include "tools/common/inputs.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/view/imd.hpp"
 #include "tools/view/page/page.hpp"
@@ -130,6 +131,8 @@ int run(const Options& options) {
     throw Error(options.frames +
                 ": a session has no shape to show; play GRID --device replay:FILE --frames - "
                 "makes frames of it");
+  keep_inputs({{"--xyz", options.xyz}, {"--png", options.png}, {"--html", options.html}},
+              {{options.frames, "frames"}});
   announce_terminal(options.frames);
   RenderOptions how = render_options(options);
   if (options.web) {

@@ -1,5 +1,5 @@
 #!/bin/bash
-# A launcher for rounds.sh: GNU parallel starts the parts over ssh, without any scheduler.
+# A launcher for hapgrid rounds: GNU parallel starts the parts over ssh, without any scheduler.
 #
 #   parallel.sh HOSTS PARTS COMMAND...      HOSTS as --sshlogin has them: 16/host1,16/host2; ':' is this machine
 #

@@ -181,7 +181,7 @@ class Checker {
 };
 
 int run(const Options& options) {
-  const Definition definition = load_definition(options.definition);
+  const Definition definition = load_definition(options.definition, "-");
   const Setup setup = setup_of(definition);
   Checker checker(definition, setup);
   if (options.shape.empty())

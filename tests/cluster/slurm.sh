@@ -113,9 +113,8 @@ cluster_stop() {
   for n in $(seq "$cluster_nodes"); do node_kill "$n"; done
 }
 
-# in_allocation TASKS COMMAND...: in an allocation of so many tasks, with examples/cluster/ in the PATH.
+# in_allocation TASKS COMMAND...: in an allocation of so many tasks.
 in_allocation() { salloc -Q -n "$1" "${@:2}" >out 2>err || fail "$(tail -n 20 err out)"; }
-export PATH=$HAPGRID_SOURCE/examples/cluster:$PATH
 
 # define MILLISECONDS: my.toml, a toy whose conversions take so long, and `reference`, what one process makes of it.
 export HAPGRID_MODEL_PATH=$HAPGRID_BUILD/tests/plugins
@@ -131,7 +130,7 @@ TOML
 expanding() {
   local pid
   for pid in $(pgrep -x expand); do
-    [[ $(readlink "/proc/$pid/fd/"*) == *"$PWD/my.rounds/$1.grid"* ]] || continue
+    [[ $(readlink "/proc/$pid/fd/"*) == *"$PWD/my.rounds/0000$1.grid"* ]] || continue
     # Not grep -q, which would end before node_processes does, and fail it.
     [[ ! ${2-} ]] || node_processes "$2" | grep -x "$pid" >/dev/null || continue
     return 0

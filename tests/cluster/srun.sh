@@ -6,7 +6,7 @@ define 5
 # srun says when a step has to wait until another one has left its processor.
 said_nothing() { ! grep -vE '^srun: (Job [0-9]+ step creation|Step created)' err >said || fail "$(cat said)"; }
 
-in_allocation 6 rounds.sh my.toml 6 srun
+in_allocation 6 hapgrid rounds my.toml -- srun -n 6
 cmp my.grid reference
 said_nothing
 
@@ -16,7 +16,6 @@ cmp work/my.grid reference
 said_nothing
 
 rm -r my.rounds my.grid
-cp "$HAPGRID_SOURCE/examples/cluster/rounds.sh" .
 sbatch -Q "$HAPGRID_SOURCE/examples/cluster/job.sh" my.toml
 evidence() { squeue; cat job.out; }
 wait_for 60 "grid of the batch job" test -e my.grid

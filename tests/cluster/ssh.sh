@@ -48,5 +48,5 @@ export HAPGRID_MODEL_PATH=$PWD/plugins PARALLEL_HOME=$PWD/home PARALLEL_SSH="ssh
 sed 's/^plugin = .*/plugin = "over-there"/; s/^counts = .*/counts = [4, 6, 6]/; s/^spacing = .*/spacing = 0.15/' "$ball" >my.toml
 seed my.toml | expand --complete -o reference
 examples=$HAPGRID_SOURCE/examples/cluster
-expect 0 '' '' -- "$examples/rounds.sh" my.toml 5 "$examples/parallel.sh" 2/one,2/two 5
+expect 0 '~.*' '' -- hapgrid rounds my.toml -- "$examples/parallel.sh" 2/one,2/two 5
 cmp my.grid reference

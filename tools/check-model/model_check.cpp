@@ -138,7 +138,7 @@ class ModelWalker {
          &ModelWalker::try_again},
         {"together", "conversions",
          "C answers otherwise while two threads ask two models: they share data, which a plug-in "
-         "must not have. expand --processes N gives each model a process of its own",
+         "must not have. hapgrid rounds --parts N gives each model a process of its own",
          nullptr},
         {"stays", "states",
          "C(s, x, 0) is another state than s: a state that was reached is not at rest",

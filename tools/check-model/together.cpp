@@ -17,7 +17,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr const char* kMeanwhile =
     " while two threads asked two models: they share data, which a plug-in must not have. "
-    "expand --processes N gives each model a process of its own";
+    "hapgrid rounds --parts N gives each model a process of its own";
 
 /// What one thread was told.
 struct Told {

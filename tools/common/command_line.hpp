@@ -23,7 +23,7 @@ struct UsageError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Whether two names are the same file.
+/// Whether two names are the same file, also through links.
 bool same_file(const std::string& a, const std::string& b);
 
 class CommandLine;

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "libcore/base/file.hpp"
+#include "tools/common/inputs.hpp"
 #include "tools/common/tool.hpp"
 
 namespace hapgrid {
@@ -26,12 +27,15 @@ void add_definition(CommandLine& app, DefinitionOptions& options) {
       .repeatable();
 }
 
-Definition load_definition(const DefinitionOptions& options) {
+Definition load_definition(const DefinitionOptions& options, const std::string& output) {
+  keep_inputs({{"--output", output}}, {{options.file, "definition"}});
   const std::string name = options.file == "-" ? "standard input" : options.file;
   const std::filesystem::path directory = std::filesystem::path(options.file).parent_path();
   return read_definition(
-      read_toml(options.file), name, options.overrides,
-      [&](const std::string& file) { return read_regular_text(directory / file, kMaxFileBytes); });
+      read_toml(options.file), name, options.overrides, [&](const std::string& file) {
+        keep_inputs({{"--output", output}}, {{directory / file, "file that the definition names"}});
+        return read_regular_text(directory / file, kMaxFileBytes);
+      });
 }
 
 std::string read_toml(const std::string& name, std::uint64_t limit) {

@@ -22,8 +22,9 @@ struct DefinitionOptions {
 void add_definition(CommandLine& app, DefinitionOptions& options);
 
 /// Reads it, and the files that it names beside itself, which must be regular files.
-/// @throw Error; std::system_error
-Definition load_definition(const DefinitionOptions& options);
+/// @param output the file of --output, which must be none of them
+/// @throw UsageError, Error; std::system_error
+Definition load_definition(const DefinitionOptions& options, const std::string& output);
 
 /// The text of a TOML, a regular file or "-", standard input. @throw Error; std::system_error
 std::string read_toml(const std::string& name, std::uint64_t limit = kMaxDefinitionBytes);

@@ -67,7 +67,7 @@ Part part_of_launcher() {
 }
 
 std::string named_by_part(std::string pattern, const Part& part) {
-  const std::size_t at = pattern.find("{}");
+  const std::size_t at = pattern.rfind("{}");
   if (at != std::string::npos) pattern.replace(at, 2, format("{}-of-{}", part.number, part.of));
   return pattern;
 }

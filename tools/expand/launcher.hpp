@@ -18,7 +18,7 @@ namespace hapgrid {
 /// @throw UsageError when none is set, or when one that is set makes no sense.
 Part part_of_launcher();
 
-/// `pattern`, in which {} becomes K-of-N.
+/// `pattern`, whose last {} becomes K-of-N: those of a folder's name stay.
 std::string named_by_part(std::string pattern, const Part& part);
 
 }  // namespace hapgrid

@@ -3,10 +3,12 @@
 #include <unistd.h>
 
 #include <string>
+#include <vector>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
+#include "tools/common/inputs.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/play/beside.hpp"
 #include "tools/play/log.hpp"
@@ -20,23 +22,13 @@ void check_files(const PlayOptions& options) {
   const std::string input = input_file(*options.device);
   if (options.grid == "-" && input == "-")
     throw UsageError("the grid and the device cannot both be standard input");
-  struct Output {
-    const char* option;
-    const char* what;
-    const std::string& file;
-  };
-  const Output outputs[] = {{"--log", "the log", options.log},
-                            {"--frames", "the frames", options.frames},
-                            {"--report", "the report", options.report},
-                            {"--sessions", "the table", options.sessions}};
-  for (const Output& output : outputs) {
-    if (output.file == "-") continue;
-    const char* replaced = same_file(output.file, input)          ? "file that --device names"
-                           : same_file(output.file, options.grid) ? "grid"
-                                                                  : nullptr;
-    if (replaced)
-      throw UsageError(format("{}: {} would replace the {}", output.option, output.what, replaced));
-  }
+  keep_inputs({{"--log", options.log},
+               {"--frames", options.frames},
+               {"--report", options.report},
+               {"--sessions", options.sessions}},
+              {{input, "file that --device names"},
+               {options.grid, "grid"},
+               {options.model.allowed, "definition"}});
 }
 
 }  // namespace

@@ -55,7 +55,7 @@ FILTERS = {
     "seed": ({"": "ball.toml"}, OF_DEFINITION),
     "expand": ({"": "ball.seeds"}, {
         **of_model("seeds"), **OUTPUT, "--part": Option("1/2"), "--complete": Option(), "--threads": Option("2"),
-        "--processes": Option("2"), "--cost": Option("new.cost")}),
+        "--cost": Option("new.cost")}),
     "merge": ({"": "ball.grid"}, {
         **OUTPUT, "--small": Option(), "--cost": Option("new.cost"), "--model-path": of_model("grid")["--model-path"]}),
     "verify": ({"": "ball.grid"}, {
@@ -91,7 +91,6 @@ FILTERS = {
 SILENT = {
     ("--threads", ""): "the result is the same",
     ("--in-flight", ""): "the result is the same",
-    ("--processes", ""): "the result is the same",
     ("", "--quiet"): "only the exit code is left",
     ("--verbose", "--format"): "JSON has all figures",
     ("--model-path", "--allow-process"): "the grid says whether its model is a plug-in or a process, and scripts give both",

@@ -10,8 +10,8 @@ cd toggle
 grep -q '^check-model: fine' ../err || fail "check-model: $(cat ../err)"
 grep -q '^verify: fine' ../err || fail "verify: $(cat ../err)"
 # The toggle has two states where nothing touches it, and a third where the HIP holds it in between.
-[[ $(stats work/toggle.grid --get levels_histogram) =~ ^\[0,0,[0-9]+,[0-9]+\]$ ]] ||
-  fail "levels: $(stats work/toggle.grid --get levels_histogram)"
+[[ $(stats toggle.grid --get levels_histogram) =~ ^\[0,0,[0-9]+,[0-9]+\]$ ]] ||
+  fail "levels: $(stats toggle.grid --get levels_histogram)"
 # The toggle has gone over and has stayed there.
 python3 - toggle.log <<'END'
 import sys

@@ -121,7 +121,7 @@ expect 0 '~model .*' '' -- view signal.frames
 
 # Refused.
 help='(see play --help)'
-expect 2 '' "play: --frames: the frames would replace the grid $help" \
+expect 2 '' "play: --frames: would replace the grid $help" \
   -- play grid --device path:path --frames ./grid
 expect 2 '' "play: --log and --frames cannot both be - $help" \
   -- play grid --device path:path --frames - --log -

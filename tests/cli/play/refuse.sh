@@ -62,11 +62,11 @@ expect 1 '' "play: model puppet: has no force function, forces cannot be compute
 
 # Logs. A file that was there stays as it was, the grid first of all.
 cp grid kept
-expect 2 '' "play: --log: the log would replace the grid $help" \
+expect 2 '' "play: --log: would replace the grid $help" \
   -- play grid --device path:path --log ./grid
 cmp grid kept
 rm kept
-expect 2 '' "play: --log: the log would replace the file that --device names $help" \
+expect 2 '' "play: --log: would replace the file that --device names $help" \
   -- play grid --device path:path --log ./path
 expect 2 '' "play: --log: a text log cannot be used with a live device; give a name that ends in .session $help" \
   -- play grid --device keys --log log

@@ -21,10 +21,10 @@ cmp grid grid.3
 rounds seeds round $allow -j 2 --in-flight 2
 cmp grid round
 
-# With make, which says so once.
-make -s -f "$HAPGRID_SOURCE/Makefile.example" grid MODEL="$toml" HAPGRID_BIN="$HAPGRID_BIN" PARTS=2 -j 2 ALLOW=yes \
-  SET='grid.counts=[8,4,4] grid.spacing=0.15 grid.origin=[-0.525,-0.225,-0.225]' >make.out 2>&1 || fail "$(cat make.out)"
-cmp grid work/hung-ball-process.grid
+# In parts, of which each starts a process.
+hapgrid rounds "$toml" --allow-process --parts 2 -o parts.grid --set grid.counts=[8,4,4] --set grid.spacing=0.15 \
+  --set grid.origin=[-0.525,-0.225,-0.225] >out 2>&1 || fail "$(cat out)"
+cmp grid parts.grid
 
 # What is played is what is stored.
 echo '-0.5 0 0' >path

@@ -3,7 +3,7 @@ source "$(dirname "$0")/../../cli/lib.sh"
 source "$here/../slurm.sh"
 cluster_start 3 2
 define 30
-array() { rounds.sh my.toml 7 sbatch -Q --wait --array=1-7%5 "$HAPGRID_SOURCE/examples/cluster/element.sh" >out 2>err; }
+array() { hapgrid rounds my.toml -- sbatch -Q --wait --array=1-7%5 "$HAPGRID_SOURCE/examples/cluster/element.sh" >out 2>err; }
 array || fail "$(cat err element.*)"
 cmp my.grid reference
 [[ ! -s err && -z $(squeue -h) ]] || fail "$(cat err; squeue)"

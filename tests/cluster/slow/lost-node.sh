@@ -14,16 +14,15 @@ lose_node_2() {
 
 # Each round a job of its own, from a machine outside.
 lose_node_2 &
-rounds.sh my.toml 6 srun -Q -n 6 >out 2>err && fail "nothing was lost"
+hapgrid rounds my.toml -- srun -Q -n 6 >out 2>err && fail "nothing was lost"
 wait $! || fail "the node"
-[[ -e my.rounds/1.grid && ! -e my.grid ]] || fail "$(ls my.rounds)"
+[[ -e my.rounds/00001.grid && ! -e my.grid ]] || fail "$(ls my.rounds)"
 wait_for 60 "three idle nodes" cluster_answers
-rounds.sh my.toml 6 srun -Q -n 6 >out 2>err || fail "$(cat err)"
+hapgrid rounds my.toml -- srun -Q -n 6 >out 2>err || fail "$(cat err)"
 cmp my.grid reference
 
 # All rounds in one batch job, which Slurm starts again.
 rm -r my.rounds my.grid
-cp "$HAPGRID_SOURCE/examples/cluster/rounds.sh" .
 sbatch -Q -n 6 "$HAPGRID_SOURCE/examples/cluster/job.sh" my.toml
 lose_node_2
 wait_for 180 "grid" test -e my.grid
