@@ -2,13 +2,20 @@
 source "$(dirname "$0")/../lib.sh"
 export LC_ALL=C.UTF-8
 
-tools=(hapgrid feel init seed expand merge verify stats play view plot check-model)
+tools=(hapgrid feel init seed expand merge verify stats play view plot check-model molecule table dock)
 molecule() { hapgrid molecule "$@"; }
 table() { hapgrid table "$@"; }
 dock() { hapgrid dock "$@"; }
-for command in molecule table dock; do
-  [[ ! -e $HAPGRID_BUILD/man/man1/hapgrid-$command.1 ]] || tools+=("$command")  # where its modules are
+# Help needs no module of another package, and the same command without help says which it lacks.
+mkdir lacking
+for module in matplotlib numpy rdkit scipy seccomp; do
+  echo "raise ImportError('No module named $module', name='$module')" >lacking/$module.py
 done
+export PYTHONPATH=$PWD/lacking
+for command in molecule table 'dock a'; do
+  refuses "${command% a}: No module named ([a-z]+): install the Debian package python3-[a-z]+" -- hapgrid $command a -o b
+done
+[[ ! -e b ]] || fail "a folder of a command that did not begin"
 for tool in "${tools[@]}"; do
   lines=85 page=hapgrid-$tool
   [[ $tool != play ]] || lines=130
