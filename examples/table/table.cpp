@@ -1,5 +1,6 @@
 // A table of energies that a point moves through: the plug-in. It has one level, and its state is
 // one number that is always 0.
+#include <cstdint>
 #include <cstdio>
 #include <hapgrid/plugin.hpp>
 #include <string>

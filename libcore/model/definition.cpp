@@ -80,13 +80,12 @@ class Reader : private TomlFile {
       throw Error(format("--set {}: needs the form key=value", entry));
     const std::string key = entry.substr(0, equals);
     const std::string value = entry.substr(equals + 1);
-    toml::table parsed;
+    toml::table parsed{{"value", value}};
     try {
-      parsed = toml::parse("value = " + value);
-      if (parsed.size() != 1) throw Error(format("--set {}: more than one value", entry));
-    } catch (const toml::parse_error&) {
-      parsed = toml::table{{"value", value}};
+      parsed = TomlFile("value = " + value, key).root();
+    } catch (const Error&) {  // a word without quotes is a text
     }
+    if (parsed.size() != 1) throw Error(format("--set {}: more than one value", entry));
     toml::table* at = &root();
     std::istringstream parts(key);
     std::vector<std::string> names;

@@ -186,7 +186,8 @@ hapgrid_model_table table(const char* summary) {
       const std::vector<double> known = model.known_states(x);
       const std::size_t n = model.info().state_size;
       *count = known.size() / n;
-      std::copy_n(known.begin(), std::min(*count, capacity) * n, states);
+      // A loop: of std::copy_n GCC 14 warns where it sees how many states there are.
+      for (std::size_t i = 0; i < std::min(*count, capacity) * n; ++i) states[i] = known[i];
     });
   };
   t.convert = [](hapgrid_model* m, const double* s, const double* x, const double* d,

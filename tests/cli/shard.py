@@ -9,6 +9,7 @@ import copy
 import functools
 import json
 import os
+import re
 import struct
 import subprocess
 
@@ -97,7 +98,8 @@ def xxh3_128(content):
 
 
 def xxh3_64(content):
-    return int(run(["xxhsum", "-H3", "-"], content).split()[-1], 16)
+    # "XXH3 (stdin) = HEX", and from xxhsum 0.8.3 on "XXH3_HEX  stdin".
+    return int(re.search(rb"[0-9a-f]{16}", run(["xxhsum", "-H3", "-"], content))[0], 16)
 
 
 def locator(footer):

@@ -66,9 +66,8 @@ def number(low, high, kind=float):
     return read
 
 
-def guarded(command, parse, run, arguments, failures=()):
-    """Runs a command and returns its exit code. parse(arguments) gives options, run(options) the line for standard output;
-    failures: exceptions besides Failed that become one line."""
+def guarded(command, parse, run, arguments):
+    """Runs a command and returns its exit code. parse(arguments) gives options, run(options) the line for standard output."""
     def failed(why, code):
         if code > 128 and sys.stderr.isatty():  # behind ^C
             print(file=sys.stderr)
@@ -85,7 +84,7 @@ def guarded(command, parse, run, arguments, failures=()):
         return failed(why, 2)
     except BreaksRule as why:
         return failed(why, 3)
-    except (Failed, *failures) as why:
+    except Failed as why:
         return failed(why, 1)
     except OSError as why:
         return failed(f"{why.filename}: {why.strerror}" if why.filename else why, 1)

@@ -4,8 +4,6 @@ import argparse
 
 from hapgrid_command.cli import EXIT_CODES, Parser, formatter, guarded, number
 
-from . import course
-
 ABOUT = """\
 Makes a verified grid of a ligand in a rigid host, with pictures, so that a hand
 can feel how it fits. The hand holds the ligand's centre, and the ligand turns
@@ -75,5 +73,10 @@ def parser():
     return p
 
 
+def run(options):
+    from . import course  # wants numpy, and --help does not
+    return course.run(options)
+
+
 def main(arguments):
-    return guarded("dock", parser().parse_args, course.run, arguments)
+    return guarded("dock", parser().parse_args, run, arguments)

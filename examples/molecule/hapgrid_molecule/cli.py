@@ -1,8 +1,13 @@
 """The command line of `hapgrid molecule`."""
 
 from hapgrid_command.cli import EXIT_CODES, Parser, UsageError, formatter, guarded, number
+from hapgrid_command.files import Failed
 
-from . import optimise, resolution, steps, xtb
+from . import resolution
+
+GFN2_ATOMS = 24  # up to which GFN2-xTB is taken
+# Those that both methods know. To xtb benzene is toluene.
+SOLVENTS = "acetone acetonitrile ch2cl2 chcl3 cs2 dmf dmso ether hexane methanol thf toluene water".split()
 
 ABOUT = """\
 Makes a verified grid of a molecule, with pictures, from the molecule's file.
@@ -52,11 +57,11 @@ def parser():
     p.add_argument("--uhf", type=number(0, 9, int), metavar="N",
                    help="number of unpaired electrons of a radical (default: what the file says); with --charge, "
                    "bonds that do not fit are taken as they are")
-    p.add_argument("--method", choices=("auto", *xtb.METHODS), default="auto",
+    p.add_argument("--method", choices=("auto", "gfn2", "gfnff"), default="auto",
                    help=f"method of xtb: gfn2 is GFN2-xTB, gfnff the force field GFN-FF, and auto (default) takes gfn2 up to "
-                   f"{steps.GFN2_ATOMS} atoms")
-    p.add_argument("--solvent", type=str.lower, choices=xtb.SOLVENTS, metavar="NAME",
-                   help=f"solvent around the molecule by xtb's GBSA: {', '.join(xtb.SOLVENTS)} (default: none)")
+                   f"{GFN2_ATOMS} atoms")
+    p.add_argument("--solvent", type=str.lower, choices=SOLVENTS, metavar="NAME",
+                   help=f"solvent around the molecule by xtb's GBSA: {', '.join(SOLVENTS)} (default: none)")
     p.add_argument("--single-points", metavar="COMMAND",
                    help="program that gives the energies along the paths instead of xtb: it gets the name of an XYZ file, "
                    "and its last line is the energy in hartree; single-point-ase asks ASE")
@@ -91,5 +96,13 @@ def _options(arguments):
     return o
 
 
+def _run(options):
+    from . import optimise, steps, xtb  # want RDKit and more, and --help does not
+    try:
+        return steps.run(options)
+    except (xtb.XtbError, optimise.NoPath) as why:
+        raise Failed(why) from None
+
+
 def main(arguments):
-    return guarded("molecule", _options, steps.run, arguments, (xtb.XtbError, optimise.NoPath))
+    return guarded("molecule", _options, _run, arguments)

@@ -13,10 +13,10 @@ from hapgrid_command.files import Failed, digest_of, read_bytes
 from hapgrid_command.work import Work, about
 
 from . import files, geometry, grids, molecule, optimise, page, pushing, reading, rotors, singles, structures
+from .cli import GFN2_ATOMS
 from .molecule import signed
 from .xtb import BOHR, Surface, XtbError, load
 
-GFN2_ATOMS = 24  # up to which GFN2-xTB is taken
 ENSEMBLE = 8  # frames of an ensemble between which paths are looked for
 # Gradients of xtb in units of a Hessian, which are measured: of butane, pentane, propan-2-ol and ethanol 9 to 16 for each way
 # of a bond, and 21 where it goes on behind its barriers; as many for the conformation. Of a flexible molecule some ways take

@@ -12,12 +12,10 @@ import numpy as np
 from .elements import MASSES
 
 sys.path.append(os.path.join(os.path.dirname(os.path.realpath(__file__)), "../../xtb"))
-from xtb_library import BOHR, HARTREE, METHODS, Xtb, XtbError, load
+from xtb_library import BOHR, HARTREE, Xtb, XtbError, load
 
-__all__ = ["BOHR", "HARTREE", "METHODS", "SOLVENTS", "Surface", "WAVE_NUMBER", "XtbError", "load"]
+__all__ = ["BOHR", "HARTREE", "Surface", "WAVE_NUMBER", "XtbError", "load"]
 
-# Those that both methods know. To xtb benzene is toluene.
-SOLVENTS = "acetone acetonitrile ch2cl2 chcl3 cs2 dmf dmso ether hexane methanol thf toluene water".split()
 # sqrt(hartree / (bohr^2 amu)) as a wave number, cm^-1
 WAVE_NUMBER = 5140.487144
 

@@ -4,8 +4,6 @@ import argparse
 
 from hapgrid_command.cli import EXIT_CODES, Parser, formatter, guarded, number
 
-from . import course
-
 ABOUT = """\
 Makes a verified grid of a table of energies, with pictures, so that a hand can
 feel it. FILE is an AutoDock map (.map), an OpenDX table (.dx), a Gaussian cube
@@ -63,5 +61,10 @@ def parser():
     return p
 
 
+def run(options):
+    from . import course  # wants numpy, and --help does not
+    return course.run(options)
+
+
 def main(arguments):
-    return guarded("table", parser().parse_args, course.run, arguments)
+    return guarded("table", parser().parse_args, run, arguments)

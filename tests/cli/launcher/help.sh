@@ -2,14 +2,11 @@
 source "$(dirname "$0")/../lib.sh"
 export LC_ALL=C.UTF-8
 
-tools=(hapgrid feel init seed expand merge rounds verify stats play view plot check-model)
+tools=(hapgrid feel init seed expand merge rounds verify stats play view plot check-model molecule table dock)
 molecule() { hapgrid molecule "$@"; }
 table() { hapgrid table "$@"; }
 dock() { hapgrid dock "$@"; }
 rounds() { hapgrid rounds "$@"; }
-for command in molecule table dock; do
-  [[ ! -e $HAPGRID_BUILD/man/man1/hapgrid-$command.1 ]] || tools+=("$command")  # where its modules are
-done
 for tool in "${tools[@]}"; do
   lines=85 page=hapgrid-$tool
   [[ $tool != play ]] || lines=130
