@@ -6,7 +6,8 @@ export LC_ALL=C.UTF-8 # tmux draws block characters only in UTF-8
 unset TMUX COLORTERM
 on() { tmux -S "$work/tmux" -f /dev/null "$@"; }
 trap 'on kill-server 2>/dev/null; rm -rf "$work"' EXIT
-on new-session -d -x 80 -y 24 "env PS1='ready> ' bash --norc --noprofile"
+# Newer versions of chafa know that tmux has true colour: view is told of another terminal, with 256 colours.
+on new-session -d -x 80 -y 24 "env -u TMUX -u TERM_PROGRAM TERM=screen PS1='ready> ' bash --norc --noprofile"
 
 # type_line TEXT: types a line and the return key.
 type_line() { on send-keys -l "$1" && on send-keys Enter; }

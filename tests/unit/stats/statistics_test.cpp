@@ -1,5 +1,7 @@
 #include "tools/stats/statistics.hpp"
 
+#include <nlohmann/json.hpp>
+
 #include "tests/unit/catch.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
 
