@@ -1,5 +1,6 @@
 """Plays with an adapter that records (adapter.py): whoever of play, guard and adapter is killed, stopped or spins, and
 whatever is scarce, the last thing that the device hears is zero force, and nobody is left."""
+import ctypes
 import os
 import platform
 import resource
@@ -24,64 +25,75 @@ def tell(pids, number):
 
 
 class Busy(Exception):
-    """The machine stood still for 100 ms, so that play gave the adapter up, as it should, or a zero came late, or the
-    loop was busy when it was to spin."""
+    """The machine stood still for 100 ms, so that play gave the adapter up, as it should, or a zero came late."""
 
 
-def resting_place(pid, thread):
-    """The address of what comes after the system call in which a thread waits most of the time; None if it does not, or
-    has ended."""
-    try:
-        for _ in range(10):
-            places = set()
-            for _ in range(4):
-                places.add(open(f"/proc/{pid}/task/{thread}/syscall").read().split()[-1])
-                time.sleep(0.0002)
-            if len(places) == 1 and places != {"running"}:
-                return int(places.pop(), 16)
-    except (FileNotFoundError, ProcessLookupError):
-        pass
-    return None
+REGISTERS = ctypes.c_ulong * 27  # struct user_regs_struct of x86-64
+ORIG_RAX, RIP = 15, 16
+SEIZE, INTERRUPT, DETACH, GETREGS, SETREGS = 0x4206, 0x4207, 17, 12, 13
+WALL = 0x40000000
+libc = ctypes.CDLL(None, use_errno=True)
+libc.ptrace.argtypes = [ctypes.c_long, ctypes.c_long, ctypes.c_void_p, ctypes.c_void_p]
 
 
-def make_spin(pid, places, code=b"\xeb\xfe"):
-    """@return what was there before"""
-    before = code
-    try:
-        with open(f"/proc/{pid}/mem", "r+b", buffering=0) as memory:
-            for place in filter(None, places):
+def endless_loop(pid):
+    """The address of a `jmp .` in the process: in the rest of the last page of its program's code, which is unused."""
+    for line in open(f"/proc/{pid}/maps"):
+        area, rights, *_ = line.split()
+        if rights[2] == "x":
+            place = int(area.split("-")[1], 16) - 2
+            with open(f"/proc/{pid}/mem", "r+b", buffering=0) as memory:
                 memory.seek(place)
-                before = memory.read(len(code))
-                memory.seek(place)
-                memory.write(code)
-    except (FileNotFoundError, ProcessLookupError):
-        pass  # it has ended
-    return before
+                memory.write(b"\xeb\xfe")
+            return place
+
+
+def make_go_on(thread, change):
+    """Stops a thread, and lets it go on with the registers that change() makes of its own. @return its own"""
+    def trace(request, data=None):
+        if libc.ptrace(request, thread, None, data) != 0:
+            raise ProcessLookupError(thread)  # it has ended
+    trace(SEIZE)
+    trace(INTERRUPT)
+    os.waitpid(thread, WALL)
+    own = REGISTERS()
+    trace(GETREGS, ctypes.byref(own))
+    trace(SETREGS, ctypes.byref(change(own)))
+    trace(DETACH)
+    return own
+
+
+def make_spin(pid, thread):
+    """@return the registers with which the thread would have gone on"""
+    place = endless_loop(pid)
+
+    def in_the_loop(own):
+        registers = REGISTERS(*own)
+        registers[RIP] = place
+        registers[ORIG_RAX] = 2**64 - 1  # or the kernel would begin a system call again
+        return registers
+    return make_go_on(thread, in_the_loop)
 
 
 def spin(pids):
-    """From its next return from the kernel on, each thread computes for ever: what follows there becomes `jmp .`."""
-    def places(pid):
-        return [resting_place(pid, thread) for thread in os.listdir(f"/proc/{pid}/task")]
-
-    found = {pid: places(pid) for pid in pids.values()}
-    if "adapter" in pids:
-        make_spin(pids["adapter"], found[pids["adapter"]])
-        time.sleep(0.003)
-        if "play" in pids:  # its loop waits for the answer now
-            found[pids["play"]] += places(pids["play"])
+    """From now on each thread computes for ever."""
     for pid in pids.values():
-        make_spin(pid, found[pid])
+        try:
+            for thread in os.listdir(f"/proc/{pid}/task"):
+                make_spin(pid, int(thread))
+        except (FileNotFoundError, ProcessLookupError):
+            pass  # it has ended
 
 
 def compute(pids):
     """An adapter that computes for 0.13 s and goes on."""
-    place = resting_place(pids["adapter"], pids["adapter"])
-    if place is None:
-        raise Busy
-    before = make_spin(pids["adapter"], [place])
+    adapter = pids["adapter"]
+    own = make_spin(adapter, adapter)
     time.sleep(0.13)
-    make_spin(pids["adapter"], [place], before)
+    try:
+        make_go_on(adapter, lambda _: own)
+    except ProcessLookupError:
+        pass  # it has ended, as it must not
 
 
 NEVER, STAYS = "never", "stays"
@@ -192,12 +204,10 @@ def case(who, what, cores, limit, mode="good"):
             tell([pid], signal.SIGKILL if what is spin and name in who.split() and not REAL_TIME else signal.SIGCONT)
         play.process.send_signal(signal.SIGINT)
     try:
-        play.process.communicate(timeout=10 if what is spin else 60)
+        play.process.communicate(timeout=60)
     except subprocess.TimeoutExpired:
         tell(pids.values(), signal.SIGKILL)
         play.process.communicate(timeout=60)
-        if what is spin:  # not the loop, which was not caught at rest, but another thread, which the kernel does not end
-            raise Busy
         raise
     play.wait("for the end of all", lambda: not [p for p in pids.values() if running(p)])
     if not let_go() and limit == NEVER:
