@@ -109,17 +109,19 @@ evidence() { :; }
 
 # in_time ERRORS COMMAND...: runs a command in a subshell. A machine that stands still for 100 ms makes play let go of the
 # device, as it should, and a browser sometimes hangs on a busy machine. Where the file ERRORS says that this has happened,
-# the command gets another attempt, of three.
+# the command gets another attempt, of three. Each attempt adds a line, its test and number, to the file HAPGRID_ATTEMPTS, if
+# that is set: `.ci/night` counts them.
 in_time() {
   local attempt code
   for attempt in 1 2 3; do
+    [[ ! ${HAPGRID_ATTEMPTS-} ]] || echo "${0##*/} $attempt" >>"$HAPGRID_ATTEMPTS"
     set +e
     (set -e; "${@:2}")
     code=$?
     set -e
     ((code)) || return 0
     grep -E 'the haptic loop hangs|did not answer within 100 ms|^Chromium hangs' "$1" || exit $code
-    echo "attempt $attempt of 3: the machine stood still"
+    echo "RETRIED: attempt $attempt of 3: the machine stood still"
   done
   exit $code
 }

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 
+from patience import Busy, patiently
 from process import ADAPTER, BUSY, Play, at_once, numbers, plugins, running
 
 
@@ -22,10 +23,6 @@ def tell(pids, number):
             os.kill(pid, number)
         except ProcessLookupError:
             pass  # it has ended
-
-
-class Busy(Exception):
-    """The machine stood still for 100 ms, so that play gave the adapter up, as it should, or a zero came late."""
 
 
 REGISTERS = ctypes.c_ulong * 27  # struct user_regs_struct of x86-64
@@ -219,16 +216,6 @@ def case(who, what, cores, limit, mode="good"):
     if took >= (0 if limit == STAYS else limit) + BUSY:
         raise Busy
     return f"{cell}: {'stays' if limit == STAYS else f'{1000 * took:.0f} ms'}"
-
-
-def patiently(case, *cell):
-    """A rule that is broken is broken each time."""
-    for attempt in 1, 2, 3, 4, 5:
-        try:
-            return case(*cell)
-        except Busy:
-            print(f"{cell}, attempt {attempt} of 5: the machine stood still")
-    raise Busy(cell)
 
 
 def table_on(cores):

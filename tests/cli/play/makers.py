@@ -8,25 +8,13 @@ import subprocess
 import sys
 import time
 
+from patience import Busy, patiently
+
 source, build = os.environ["HAPGRID_SOURCE"], os.environ["HAPGRID_BUILD"]
 plugins = f"{build}/tests/plugins"
 RIGHT = {"force-dimension": "force -0 0.5 0", "openhaptics": "force 0.5 0 -0", "haply": "force 0.5 0 0"}
 NONE = {"force-dimension": "force -0 0 0", "openhaptics": "force 0 0 -0", "haply": "force 0 0 0"}
 numbers = iter(range(100))
-
-
-class Busy(Exception):
-    """The machine stood still for 100 ms, so that play gave the adapter up, as it should."""
-
-
-def patiently(attempt, *arguments, **options):
-    """The result of one of three attempts."""
-    for number in 1, 2:
-        try:
-            return attempt(*arguments, **options)
-        except Busy as why:
-            print(f"attempt {number} of 3: the machine stood still: {why}")
-    return attempt(*arguments, **options)
 
 
 class Play:

@@ -11,6 +11,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 
 import system_calls
+from patience import Busy, patiently
 
 plugins = f"{os.environ['HAPGRID_BUILD']}/tests/plugins"
 ADAPTER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "adapter.py")
@@ -136,14 +137,16 @@ def in_the_loop():
                   play.events("force")[-1][0] > fault + 1)
         return play.process.poll() is None and bool(play.alive())
 
+    def faulty(mode):
+        play = Play(mode)
+        play.wait("for its fault", lambda: play.events("fault") or play.process.poll() is not None)
+        if play.events("fault") and not (mode == "late" and goes_on(play)):
+            return play
+        play.process.kill()
+        raise Busy(play.process.communicate()[1])  # before its fault
+
     def case(mode, told, why):
-        for _ in range(5):  # a machine that stands still for 100 ms ends a play before its fault
-            play = Play(mode)
-            play.wait("for its fault", lambda: play.events("fault") or play.process.poll() is not None)
-            if play.events("fault") and not (mode == "late" and goes_on(play)):
-                break
-            play.process.kill()
-            print(f"{mode}: the machine stood still: {play.process.communicate()[1]}")
+        play = patiently(faulty, mode)
         play.wait("for the end of all", lambda: play.process.poll() is not None or not play.alive())
         error = play.end(1, f"play: device: {NAME}: {why}")
         assert (mode == "unable") == ("play: puppet: its adapter has no --release: " in error), error

@@ -1,0 +1,22 @@
+"""A machine that stands still for 100 ms makes play let go of the device, as it should. What this has spoilt gets another
+attempt: as in_time of cli/lib.sh, which says how attempts are counted."""
+import os
+import sys
+
+
+class Busy(Exception):
+    """The machine stood still, or was too busy for what was to be seen."""
+
+
+def patiently(attempt, *arguments):
+    """The result of the first of five attempts that is not Busy. A rule that is broken is broken in each."""
+    for number in range(1, 6):
+        if "HAPGRID_ATTEMPTS" in os.environ:
+            with open(os.environ["HAPGRID_ATTEMPTS"], "a") as counted:
+                counted.write(f"{os.path.basename(sys.argv[0])} {number}\n")
+        try:
+            return attempt(*arguments)
+        except Busy as why:
+            print(f"RETRIED: attempt {number} of 5: the machine stood still: {arguments} {why}")
+            if number == 5:
+                raise

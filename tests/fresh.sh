@@ -1,0 +1,184 @@
+#!/bin/bash
+# A newcomer's first day, on a bare machine: what the README and the guide tell a reader to type, cut out of these pages,
+# in a minimal root of Debian that has make and g++, and nothing else.
+#
+#   tests/fresh.sh SUITE [STEP...]      as root; SUITE is bookworm, trixie ..., or a tar file that mmdebstrap made
+#
+# The root gets what is committed here. Each step takes up where the one before it ended; by default all are done:
+#
+#   ball        the demonstration, and its grid is felt: the page is there, and closing it ends the play in good order
+#   own         a model of one's own, in Python and in the languages that have a compiler
+#   package     the Debian package is made; in a second root, which has no more than this one had, it is installed and works
+#   check       the tests
+#   molecule    from a molecule to a grid, which is felt
+#   rest        only where it is asked for: the tests that check-all has beyond check, and those that lacked a package there
+#
+# A table comes at the end: seconds, megabytes downloaded and installed from Debian's packages. The output of a step
+# that fails is shown, and the others are done all the same.
+set -euo pipefail
+
+# --- Inside the root ------------------------------------------------------------------------------
+
+# commands PAGE HEADING: the lines of the shell that stand under a heading.
+# shellcheck disable=SC2016  # no variables are in it
+commands() { sed -n "/^##* $2\$/,/^##* [A-Z]/p" "$1" | sed -n 's/^    //p; /^```sh$/,/^```$/{/^```/!p}' | grep .; }
+
+# type_in: runs lines as a reader would. What is felt is felt by felt() below.
+type_in() {
+  local lines
+  lines=$(sed -E 's/^([^ ]*hapgrid feel )/felt \1/')
+  echo "$lines"
+  eval "$lines"
+}
+sudo() { "$@"; }
+
+# felt COMMAND...: starts hapgrid feel, fetches its page, and is a browser that takes the hand and goes.
+felt() {
+  local said feel host port token page
+  said=$(mktemp)
+  "$@" 2>"$said" &
+  feel=$!
+  until grep -q '://' "$said"; do
+    kill -0 $feel || { cat "$said"; exit 1; }
+    sleep 0.1
+  done
+  IFS=:/ read -r host port token < <(sed -n 's|^hapgrid: feel: http://||p' "$said")
+  ask() { printf 'GET /%s HTTP/1.1\r\nHost: %s\r\n' "$1" "$host:$port" && printf '%s\r\n' "${@:2}" ''; }
+  exec {page}<>"/dev/tcp/$host/$port"
+  ask "$token/" >&$page
+  grep -q '<canvas' <&$page || { echo 'no page'; exit 1; }
+  exec {page}>&-
+  exec {page}<>"/dev/tcp/$host/$port"
+  ask "$token/ws" "Origin: http://$host:$port" 'Upgrade: websocket' 'Connection: Upgrade' 'Sec-WebSocket-Version: 13' \
+    'Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==' 'Sec-WebSocket-Protocol: hapgrid' >&$page
+  timeout 20 head -c 1000 <&$page | grep -aq '"scene"' || { echo 'no scene'; exit 1; }
+  exec {page}>&-
+  wait $feel
+  grep '^play: [0-9]* ticks' "$said" || { cat "$said"; exit 1; }
+}
+
+do_ball() { commands README.md 'Feel the hung ball' | type_in; }
+do_molecule() { commands README.md 'Feel a molecule' | type_in; }
+do_own() {
+  local lines language
+  lines=$(commands README.md 'Bring your own model')
+  type_in <<<"$lines"
+  for language in c c++ fortran; do
+    sed "s/--lang python/--lang $language/; s/mymodel/my_${language/++/xx}/" <<<"$lines" | type_in
+  done
+}
+the_package() { commands examples/guide/installing.md Installing | sed -n '/dpkg-dev/,$p'; }
+do_package() { the_package | sed '$d' | type_in; }
+do_installed() {
+  apt-get update -qq
+  the_package | sed -n '$p' | type_in
+  felt hapgrid feel hung-ball.grid
+}
+# Without CI, for which a test whose program is not installed has failed.
+do_check() {
+  unset CI
+  eval "$(grep -om 1 'make -f Makefile.example check' README.md)"
+  sed -nE 's|^[0-9]+/[0-9]+ Test: ||; t name; /^not installed:/!d; G; p; d; :name h; d' build/Testing/Temporary/LastTest.log |
+    sed -E 'N; s/(.*)\n(.*)/\2: \1/' | tee /lacked
+}
+do_rest() {
+  .ci/packages plots check-all
+  cmake --build build --target check-all benches
+  ctest --preset check-all -L 'extra|long' -j "$((2 * $(nproc)))"
+  [[ ! -s /lacked ]] || ctest --preset check-all -R "^($(cut -d: -f1 /lacked | sort -u | paste -sd '|'))\$"
+}
+
+packages() { dpkg-query -W -f '${Package}=${Version} ${Installed-Size}\n' | sort; }
+
+# row STEP: does it, and prints its row of the table.
+row() {
+  local before seconds result=ok new kilobytes bytes
+  before=$(packages) seconds=$SECONDS
+  DEBIAN_FRONTEND=noninteractive "$0" --do "$1" >/step.log 2>&1 </dev/null || result=FAILED
+  seconds=$((SECONDS - seconds))
+  if [[ $result == ok ]]; then grep -E ': not installed:|tests passed' /step.log >&2 || :; else tail -n 200 /step.log >&2; fi
+  new=$(comm -13 <(echo "$before") <(packages))
+  kilobytes=$(awk '{ sum += $2 } END { printf "%d", sum }' <<<"$new")
+  bytes=$(cut -d' ' -f1 <<<"$new" | { xargs -r apt-cache show 2>/dev/null || :; } | awk '/^Size:/ { sum += $2 } END { printf "%d", sum }')
+  printf '%-12s %-8s %7d %9d %9d\n' "$1" $result $seconds $((bytes / 1000000)) $((kilobytes * 1024 / 1000000))
+}
+
+case ${1-} in
+  --do)
+    cd "${0%/tests/fresh.sh}"
+    "do_$2"
+    exit
+    ;;
+  --inside)
+    # apt asks whether it shall, and a reader says yes.
+    echo 'APT::Get::Assume-Yes "true";' >/etc/apt/apt.conf.d/90yes
+    row "$2"
+    exit
+    ;;
+esac
+
+# --- Outside --------------------------------------------------------------------------------------
+
+suite=${1:?which suite?}
+shift
+(($#)) || set -- ball own package check molecule
+source=$(cd "$(dirname "$0")/.." && pwd)
+work=$(mktemp -d)
+child=
+trap '[[ -z $child ]] || kill -KILL "$child" 2>/dev/null || :; wait; rm -rf "$work" || { sleep 1; rm -rf "$work"; }' EXIT
+trap 'exit 1' HUP INT TERM
+
+# root NAME: unpacks a bare root with the clone in it.
+root() {
+  mkdir "$work/$1"
+  tar -C "$work/$1" --exclude='./dev/*' -xf "$bare"
+  mkdir "$work/$1/hapgrid"
+  git -C "$source" -c safe.directory="$source" archive HEAD | tar -C "$work/$1/hapgrid" -xf -
+  echo '127.0.0.1 localhost' >"$work/$1/etc/hosts"
+  echo force-unsafe-io >"$work/$1/etc/dpkg/dpkg.cfg.d/unsafe-io"  # it may lose what a power cut would lose
+}
+
+# inside NAME COMMAND...: runs a command in this root, with devices as a container has them. All that it starts, and all that
+# is mounted for it, goes when it ends or this script does.
+inside() {
+  # shellcheck disable=SC2016  # for the shell inside
+  unshare --mount --pid --fork --kill-child bash -euc '
+    root=$1
+    mount -t tmpfs -o mode=755 dev "$root/dev"
+    for device in null zero full random urandom tty; do
+      touch "$root/dev/$device"
+      mount --bind "/dev/$device" "$root/dev/$device"
+    done
+    mkdir "$root/dev/pts" "$root/dev/shm"
+    mount -t devpts -o newinstance,ptmxmode=0666 devpts "$root/dev/pts"
+    mount -t tmpfs shm "$root/dev/shm"
+    ln -s pts/ptmx "$root/dev/ptmx"
+    ln -s /proc/self/fd "$root/dev/fd"
+    mount -t proc proc "$root/proc"
+    mount -t sysfs -o ro sys "$root/sys"
+    exec chroot "$root" env -i ${CI:+CI="$CI"} HOME=/root PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin "${@:2}"' \
+    bash "$work/$1" "${@:2}" &
+  child=$!
+  wait "$child"
+  child=
+}
+
+bare=$suite
+if [[ ! -f $bare ]]; then
+  bare=$work/bare.tar
+  mmdebstrap --quiet --variant=minbase --include=make,g++ "$suite" "$bare"
+fi
+root day
+for step; do
+  inside day /hapgrid/tests/fresh.sh --inside "$step" >>"$work/table"
+  if [[ $step == package ]]; then
+    root second
+    mkdir "$work/second/hapgrid/build"
+    cp "$work"/day/hapgrid/build/hapgrid_*.deb "$work/second/hapgrid/build"
+    cp "$work/day/hapgrid/demo/hung-ball.grid" "$work/second/hapgrid"
+    inside second /hapgrid/tests/fresh.sh --inside installed >>"$work/table"
+  fi
+done
+printf '%-12s %-8s %7s %9s %9s\n' "$suite" result seconds 'MB down' 'MB disk'
+cat "$work/table"
+! grep -q FAILED "$work/table"
