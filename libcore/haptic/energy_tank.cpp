@@ -11,12 +11,11 @@ namespace hapgrid {
 namespace {
 
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
-// Seconds over which the hand's speed is measured: in a tick, an encoder's step looks fast.
-constexpr double kWindow = 0.002;
+constexpr double kWindow = 0.002;  // seconds for the speed: in a tick, an encoder's step looks fast
 // Seconds in which a force that was withheld comes back. A third or three times of it do as well.
 constexpr double kReturn = 0.03;
-// Newtons: less is not withheld at all, so that withholding ends.
-constexpr double kNothing = 1e-6;
+constexpr double kTremor = 0.1;    // seconds: about a period of a hand's tremor
+constexpr double kNothing = 1e-6;  // newtons: less is not withheld, so that withholding ends
 
 /// The part of a way, in [0, 1), up to which it is affordable, to 2^-20.
 template <class Costs>
@@ -82,6 +81,7 @@ void EnergyTank::move(const TankTerms& terms, const Vec3& place, double dt, bool
     window_ = time_ - then;
     if (window_ > 0) speed_ = 1 / window_ * (place - from);
   }
+  if (window_ > 0) drift_ = drift_ + dt / (kTremor + dt) * (speed_ - drift_);
 }
 
 /// A bound on the hand's speed along a force.
@@ -177,7 +177,7 @@ void EnergyTank::ramp(double before, double after, double model_energy) noexcept
 void EnergyTank::refill(double model_energy, double dt) noexcept {
   const bool is_weak = energy_ < 0 || length_of(withheld_) > 0;
   const double more = std::min(model_energy - energy_, kRefill * dt);
-  if (is_weak && length_of(speed_) <= kHolding && more > 0) energy_ += more;
+  if (is_weak && length_of(drift_) <= kHolding && more > 0) energy_ += more;
 }
 
 void EnergyTank::sent(const Vec3& force, std::optional<double> lost) noexcept {

@@ -26,7 +26,6 @@
 //
 // Alternatives: to book the larger work always (what a trembling hand holds fades) or the mean
 // always (4 to 6 mJ for forces of no energy); a damper for what was counted (it breaks the slew).
-// Forces and places are vectors in the box's axes; places are in metres.
 #pragma once
 
 #include <array>
@@ -42,9 +41,9 @@ namespace hapgrid {
 /// 0.04 mJ between records. Leu-enkephalin (30 points a side) chose it: with 0.05 mJ half as many
 /// of its contacts fade, and 0.19 mJ come back instead of 0.15.
 inline constexpr double kTankSlack = 3e-5;
-/// The speed (m/s) of a tremble by 0.3 mm at 10 Hz on each axis, and the watts that 2 N s/m take
-/// from it. A faster hand that circles over a jump would be paid each time (dichloroethane).
-inline constexpr double kHolding = 0.023, kRefill = 1e-3;
+/// A hand holds that drifts by less m/s; a faster one that circles over a jump would be paid each
+/// time (dichloroethane). It gets so many watts, what 4 N s/m take of a tremble of 0.3 mm at 10 Hz.
+inline constexpr double kHolding = 0.01, kRefill = 2e-3;
 /// The largest part by which the lead weakens a force; a hand notices 5 to 10 % (Pang, Tan and
 /// Durlach 1991). On the way in it is not limited, which alone is enough where the delay is 0.
 inline constexpr double kMostLead = 0.05;
@@ -68,8 +67,8 @@ struct TankTerms {
 /// In closed form. Infinite when it cannot be computed.
 double letgo(double force, double speed, const TankTerms& terms) noexcept;
 
-/// For one thread; real-time safe. In each tick: move(), then perhaps ramp() or refill(), then
-/// lead(), soften() and bound() if a force is to be sent, then sent().
+/// For one thread; real-time safe; places in m. In each tick: move(), then perhaps ramp() or
+/// refill(), then lead(), soften() and bound() if a force is to be sent, then sent().
 class EnergyTank {
  public:
   /// The part of the force that the ramp lets through rises from `before` to `after`, in [0, 1].
@@ -122,6 +121,7 @@ class EnergyTank {
   double time_ = 0;
   std::uint32_t newest_ = 0, seen_ = 0;  // of them
   Vec3 speed_{0, 0, 0};                  // mean over the window, m/s
+  Vec3 drift_{0, 0, 0};                  // over a tremble, m/s
   double window_ = 0;                    // seconds; 0: the speed is not known
   // The last forces, as they were sent and as they were wanted.
   static constexpr std::uint32_t kForces = 64;
