@@ -156,7 +156,7 @@ inside() {
     ln -s /proc/self/fd "$root/dev/fd"
     mount -t proc proc "$root/proc"
     mount -t sysfs -o ro sys "$root/sys"
-    exec chroot "$root" env -i ${CI:+CI="$CI"} HOME=/root PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin "${@:2}"' \
+    exec chroot "$root" env -i ${CI:+CI="$CI" HAPGRID_WERROR=ON} HOME=/root PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin "${@:2}"' \
     bash "$work/$1" "${@:2}" &
   child=$!
   wait "$child"

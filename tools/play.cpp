@@ -184,10 +184,15 @@ struct PlayedForce {
   Vec3 last{0, 0, 0};
 
   Vec3 operator()(const Traversal& traversal) { return last = force(traversal); }
-  double stored_energy(const Traversal& traversal) const {
+  double model_energy(const Traversal& traversal) const {
     if (!(scale > 0)) return 0;
-    const std::optional<double> energy = force.stored_energy(traversal);
+    const std::optional<double> energy = force.model_energy(traversal);
     return gain * (energy ? *energy / scale : kUnknownDepth * length_of(last));
+  }
+  std::optional<double> account(const Traversal& traversal) const {
+    const std::optional<double> account = force.account(traversal);
+    if (!account || !(scale > 0)) return std::nullopt;
+    return gain / scale * *account;
   }
 };
 

@@ -11,43 +11,19 @@ namespace hapgrid {
 namespace {
 
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+constexpr double kWindow = 0.002;  // seconds for the speed: in a tick, an encoder's step looks fast
+// Seconds in which a force that was withheld comes back. A third or three times of it do as well.
+constexpr double kReturn = 0.03;
+constexpr double kTremor = 0.1;    // seconds: about a period of a hand's tremor
+constexpr double kNothing = 1e-6;  // newtons: less is not withheld, so that withholding ends
 
-// Seconds over which the hand's speed is measured: shorter, and an encoder's step looks fast.
-constexpr double kWindow = 0.002;
-// Seconds in which a force that was withheld comes back.
-constexpr double kRestReturn = 0.7;    // to a hand that rests, while the tank is filled
-constexpr double kFilledReturn = 0.1;  // to such a hand, when the tank is full
-constexpr double kSlowReturn = 0.3;    // to a hand that moves, while the tank is overdrawn
-constexpr double kReturn = 0.03;       // in all other cases
-// A hand rests that has been for kRestTime (s) within kRestRadius (m) of the mean of its places
-// over kRestMean (s), which is about a period of its tremor.
-constexpr double kRestTime = 0.25;
-constexpr double kRestRadius = 3e-3;
-constexpr double kRestMean = 0.1;
-constexpr double kHoldTime = 2.5;  // seconds of rest after which the hand holds
-// Seconds after which what was charged for late forces is forgotten: a way to a contact takes about
-// as long.
-constexpr double kLateTime = 0.5;
-// Joules. The tank of a resting hand is filled up to half of what the model holds, but at least up
-// to this, if the model holds as much: a tremble takes a part of it out and brings it back.
-constexpr double kLow = 5e-5;
-// Joules above what the model holds, up to which the tank is filled when it had too little: the
-// model holds less than nothing where its interpolated energy dips below the lowest one of the
-// records.
-constexpr double kAbove = 5e-5;
-// Newtons: less is not withheld at all, so that withholding ends.
-constexpr double kNothing = 1e-6;
-// The part of the way to the wanted force is found to 2^-20.
-constexpr int kHalvings = 20;
-
-/// The force that costs `joules` to let go of at this speed without acceleration: letgo()
-/// backwards. With n steps it is linear, period speed (n force - step n (n - 1) / 2).
-double affordable(double joules, double speed, const TankTerms& terms) {
-  const double sum = joules / (terms.period * speed);  // newtons, over all ticks
-  const double step = terms.slew * terms.period;
-  if (!(step < kUnbounded)) return sum;
-  const double n = std::max(1.0, std::ceil((std::sqrt(1 + 8 * sum / step) - 1) / 2));
-  return sum / n + step * (n - 1) / 2;
+/// The part of a way, in [0, 1), up to which it is affordable, to 2^-20.
+template <class Costs>
+double affordable_part(double joules, const Costs& costs) {
+  double part = 0;
+  for (double half = 0.5; half >= 0x1p-20; half /= 2)
+    if (costs(part + half) <= joules) part += half;
+  return part;
 }
 
 /// By how much rounded positions can count more work than true ones while a force goes to zero, or
@@ -80,64 +56,32 @@ double letgo(double force, double speed, const TankTerms& terms) noexcept {
   return std::isfinite(all) ? std::max(0.0, dt * all) : kUnbounded;
 }
 
-const Vec3& EnergyTank::force(std::uint32_t ticks_ago) const noexcept {
-  return forces_[(last_force_ + kForces - ticks_ago) % kForces];
-}
-
 void EnergyTank::move(const TankTerms& terms, const Vec3& place, double dt, bool certain) noexcept {
-  if (placed_) {
-    const Vec3 way = place - place_;
-    double work = std::max(dot(force(terms.delay), way), dot(force(terms.delay + 1), way));
+  if (place_) {
     const bool sure = certain && seen_ > 0;
+    const Vec3 way = place - *place_;
+    double work = std::max(dot(force(terms.delay), way), dot(force(terms.delay + 1), way));
     if (!sure) work = std::max(work, 0.0);
     energy_ -= work;
-    way_ = way;
-    charged_ = work;
-    damped_ = sure ? std::min(terms.damping * dot(way, way) / dt, kMostDamped * dt) : 0;
-    most_late_ = sure ? kMostLate * dt : 0;
+    way_ = sure ? way : Vec3{0, 0, 0};
+    charged_ = sure ? work : 0;
     // A sum that cannot be computed stands for a tank that is empty for good.
     if (!std::isfinite(energy_)) energy_ = std::numeric_limits<double>::lowest();
   }
   place_ = place;
-  placed_ = true;
-  part_ = 1;
-  late_ *= kLateTime / (kLateTime + dt);
-  if (rested_ == 0) {
-    rest_ = place;
-    given_ = 0;
-  }
-  rest_ = rest_ + dt / (kRestMean + dt) * (place - rest_);
-  rested_ = length_of(place - rest_) <= kRestRadius ? rested_ + dt : 0;
-
   time_ += dt;
-  newest_ = (newest_ + 1) % kSeen;
-  places_[newest_] = place;
-  times_[newest_] = time_;
-  if (seen_ == 0) oldest_ = newest_;
-  if (seen_ == kSeen) {
-    oldest_ = (oldest_ + 1) % kSeen;
-  } else {
-    ++seen_;
+  newest_ = (newest_ + 1) % kPlaces;
+  places_[newest_] = {place, time_};
+  seen_ = std::min(seen_ + 1, kPlaces);
+  // The speed is that over the shortest window that is not below kWindow.
+  speed_ = {0, 0, 0};
+  window_ = 0;
+  for (std::uint32_t ago = 1; ago < seen_ && !(window_ >= kWindow * (1 - 1e-9)); ++ago) {
+    const auto& [from, then] = places_[(newest_ + kPlaces - ago) % kPlaces];
+    window_ = time_ - then;
+    if (window_ > 0) speed_ = 1 / window_ * (place - from);
   }
-  measure_speed();
-}
-
-void EnergyTank::measure_speed() noexcept {
-  // The window is the shortest one that is not below kWindow.
-  while (seen_ > 2) {
-    const std::uint32_t next = (oldest_ + 1) % kSeen;
-    if (time_ - times_[next] < kWindow * (1 - 1e-9)) break;
-    oldest_ = next;
-    --seen_;
-  }
-  window_ = time_ - times_[oldest_];
-  if (!(window_ > 0)) {
-    window_ = 0;
-    speed_ = {0, 0, 0};
-    return;
-  }
-  const Vec3 way = places_[newest_] - places_[oldest_];
-  speed_ = {way[0] / window_, way[1] / window_, way[2] / window_};
+  if (window_ > 0) drift_ = drift_ + dt / (kTremor + dt) * (speed_ - drift_);
 }
 
 /// A bound on the hand's speed along a force.
@@ -178,88 +122,73 @@ void EnergyTank::let_go_unseen(const TankTerms& terms) noexcept {
   lose_sight();
 }
 
+Vec3 EnergyTank::lead(const TankTerms& terms, const Vec3& force, bool goes_on) noexcept {
+  const std::uint32_t now = (last_force_ + 1) % kForces;  // of sent()
+  wanted_[now] = force;
+  if (!goes_on || window_ == 0) known_ = 0;
+  const std::uint32_t ticks = std::min(known_, 2 * (terms.delay + 1));
+  known_ = std::min(known_ + 1, kForces - 1);
+  const Vec3 change = force - wanted_[(now + kForces - ticks) % kForces];
+  const double along = dot(change, speed_), square = dot(speed_, speed_);
+  if (!(along < 0 && square < kUnbounded)) return lead_ = {0, 0, 0};
+  lead_ = (terms.delay + 1.0) / ticks * along / square * speed_;
+  const double most = kMostLead * length_of(force), size = length_of(lead_);
+  if (size > most && dot(lead_, force) < 0) lead_ = most / size * lead_;
+  return lead_;
+}
+
 Vec3 EnergyTank::soften(const TankTerms& terms, const Vec3& wanted, double dt) noexcept {
   Vec3 force = wanted;
-  const double affords = energy_ + kTankSlack;
-  const double time = rests() ? kRestReturn : affords < 0 ? kSlowReturn : kReturn;
-  for (double& w : withheld_) w *= time / (time + dt);
-  if (part_ < 1) withheld_ = (1 - part_) * wanted;
+  for (double& w : withheld_) w *= kReturn / (kReturn + dt);
   if (const double kept = length_of(withheld_); kept > kNothing) {
     const double along = dot(force, withheld_) / kept;
     force = force + -std::min(kept, std::max(0.0, along)) / kept * withheld_;
   }
   if (const double speed = length_of(speed_); speed > 0 && speed < kUnbounded) {
-    const double along = dot(force, speed_) / speed;
+    const double along = dot(force, speed_) / speed, joules = std::max(0.0, energy_ + kTankSlack);
     TankTerms steady = terms;
     steady.acceleration = 0;
-    if (along > 0 && letgo(along, speed, steady) > std::max(0.0, affords))
-      force = force + (std::min(along, affordable(std::max(0.0, affords), speed, terms)) - along) /
-                          speed * speed_;
+    const auto costs = [&](double part) { return letgo(part * along, speed, steady); };
+    if (along > 0 && costs(1) > joules)
+      force = force + (affordable_part(joules, costs) - 1) * along / speed * speed_;
   }
   withheld_ = wanted - force;
   return force;
 }
 
 Vec3 EnergyTank::bound(const TankTerms& terms, const Vec3& wanted, const Vec3& before,
-                       double step) const noexcept {
+                       double change) const noexcept {
   const double rest = std::max(0.0, energy_ + kTankSlack + terms.reserve) - under_way(terms);
   if (cost(terms, wanted) <= rest) return wanted;
   const double size = length_of(before);
-  const Vec3 shorter = size > step ? before + -step / size * before : Vec3{0, 0, 0};
+  const Vec3 shorter = size > change ? before + -change / size * before : Vec3{0, 0, 0};
   const Vec3 way = wanted - shorter;
-  double part = 0;
-  for (double half = 0.5; half > std::ldexp(1.0, -kHalvings - 1); half /= 2)
-    if (cost(terms, shorter + (part + half) * way) <= rest) part += half;
-  return shorter + part * way;
+  const auto costs = [&](double part) { return cost(terms, shorter + part * way); };
+  return shorter + affordable_part(rest, costs) * way;
 }
 
-void EnergyTank::ramp(double before, double after, double held) noexcept {
-  if (before == 0) ramp_left_ = held - std::max(0.0, energy_);
-  const auto grant = [&](double joules, double most) {
-    const double more = std::min(joules, most - energy_);
-    if (!(more > 0)) return;  // also where one of them is not a number
-    energy_ += more;
-    granted_ += more;
-    ramp_left_ -= more;
-  };
-  grant((after - before) * held, after * held);
-  grant(ramp_left_, after * (held + kAbove));
+void EnergyTank::ramp(double before, double after, double model_energy) noexcept {
+  const double more = std::min(after * model_energy - energy_, (after - before) * model_energy);
+  if (!(more > 0)) return;  // also where it is not a number
+  energy_ += more;
+  granted_ += more;
 }
 
-bool EnergyTank::rests() const noexcept { return rested_ >= kRestTime; }
-
-void EnergyTank::refill(const TankTerms& terms, double held, double dt) noexcept {
-  if (!rests() || terms.damping == 0) return;
-  const bool is_weak = energy_ < 0 || length_of(withheld_) > kNothing;
-  // What is not a number adds nothing.
-  const double all = std::max(0.0, held), above = all + kAbove;
-  const auto fill = [&](double wanted, double most) {
-    const double more = std::clamp(wanted - energy_, 0.0, std::max(0.0, most));
-    energy_ += more;
-    return more;
-  };
-  late_ -= fill(above, late_);
-  const double wanted = is_weak ? above : std::max(all / 2, std::min(all, kLow));
-  if (rested_ < kHoldTime) {
-    given_ += fill(wanted, kGift - given_);
-  } else {
-    fill(wanted, kRefill * dt);
-    if (is_weak) part_ = std::clamp(energy_ / (all + kAbove / 2), 0.0, 1.0);
-  }
-  const double lacks = above - energy_;
-  if (is_weak && lacks < kAbove / 2)
-    for (double& w : withheld_) w *= kFilledReturn / (kFilledReturn + dt);
+void EnergyTank::refill(double model_energy, double dt) noexcept {
+  const bool is_weak = energy_ < 0 || length_of(withheld_) > 0;
+  const double more = std::min(model_energy - energy_, kRefill * dt);
+  if (is_weak && length_of(drift_) <= kHolding && more > 0) energy_ += more;
 }
 
-void EnergyTank::sent(const Vec3& force) noexcept {
-  const double mean = dot(0.5 * (forces_[last_force_] + force), way_);
+void EnergyTank::sent(const Vec3& force, std::optional<double> lost) noexcept {
+  const Vec3 plain = force - lead_;
+  const double mean = dot(0.5 * (plain_ + plain), way_);
   // What is not a number gives nothing back.
-  if (const double late = charged_ - mean; late > 0) {
-    const double now = std::min(late, damped_);
-    energy_ += now;
-    late_ += std::max(0.0, std::min(late, most_late_) - now);
-  }
-  damped_ = most_late_ = 0;
+  if (const double more = lost ? charged_ - mean - std::abs(mean - *lost) : 0; more > 0)
+    energy_ += more;
+  way_ = lead_ = {0, 0, 0};
+  charged_ = 0;
+  plain_ = plain;
   last_force_ = (last_force_ + 1) % kForces;
   forces_[last_force_] = force;
 }

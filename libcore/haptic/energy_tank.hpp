@@ -1,85 +1,61 @@
-// What the hand has put into a device and not got back, and which force that can pay for.
+// What a hand has put into a device and not got back, and which force that can pay for.
 //
-// Problem. A force that is right at every place can still give energy to the hand: it comes a tick
-// late, it is ramped in while the hand is inside, or it belongs to no energy at all. Choice: the
-// tank holds the energy that the hand stored. Before a force is sent, the tank must cover what it
-// would cost to let go of that force at the slew limit while the hand runs along with it. So zero
-// can always be reached within the slew, and it is paid for. For any sequence of forces, the energy
-// returned is at most the sum of: what the tank was granted; kTankSlack; the reserve; what a damper
-// of TankTerms::damping takes from the hand on its way, but at most kMostDamped; and for a hand
-// that rests kMostLate, also of the half second before, kGift each time that it comes to rest, and
-// kRefill from the time on when it holds.
+// The principle. A force that is the gradient of an energy gives back on a way what it took. It
+// gives more only because it is late: a spring K that holds for a tick T gives a hand with the
+// speed v K T / 2 v^2 watts more, so a damping of K T / 2 makes it passive (Colgate and Schenkel
+// 1997, Passivity of a class of sampled-data systems, J. Robotic Systems 14(1)). The device itself
+// supplies that damping, and the tank books what the model's energy loses. So on a branch the tank
+// has the model's energy: a tremble costs nothing, and a contact holds. Four rules follow.
+// - Lead. A force acts within the d + 2 ticks after it was sent, d = TankTerms::delay. Its change
+//   in d + 1 ticks is added, half of that in the last 2 (d + 1) (a step of the encoder swings it by
+//   half more), but only what is along the motion and against it: nothing else takes energy.
+// - Booking. On a way the device has done the larger work of the two forces that may be in effect.
+//   If the energy lost on it is known, it is compared with the mean of the forces at both ends,
+//   which do the same work to third order. Then the mean is booked, and by how much they differ.
+// - Paying. Before a force is sent, the tank must cover what it would cost to let go of it at the
+//   slew limit while the hand runs along. So zero can always be reached, and it is paid for.
+// - Refill. The interpolated energy jumps where corners change, and a hand that came over a jump
+//   may lack it. While its force is weak and it holds, kRefill is added, up to the model's energy.
 //
-// Why the damper. A force that comes late, if only by the half of a tick for which it is held,
-// gives back more than it took, on each way to and fro. The tank charges the hand for that, and for
-// one more tick. So a spring K that a hand moves would cost it 3/2 K dx^2 in a tick, and the force
-// that a trembling hand holds would fade within seconds. But a hand and a device have friction. A
-// sampled spring is passive if their damping b is at least K T / 2 (Colgate and Schenkel 1997,
-// Passivity of a class of sampled-data systems, J. Robotic Systems 14(1)). So what was charged
-// beyond the mean of the forces at both ends of a way is given back, at once as much as the damper
-// takes. A hand that goes from place to place could pay with it for snaps that lead up, so that
-// kMostDamped bounds it. A hand that rests gets the remainder of the last half second as well: that
-// is what a tremble and the way to the contact have cost.
+// For any sequence of forces, the energy returned is at most the sum of: what was granted;
+// kTankSlack; the reserve; kRefill while a weak force is held; and what forces that the model's
+// energy explains give beyond their mean, since they are later than the lead makes up for. The last
+// is left to the damping of hand and device. The bound holds if the hand's acceleration is that of
+// the terms at most, and if a force is in effect from d or d + 1 ticks on, for whole ticks. Energy
+// is counted along rounded positions; true ones add |dF| half an encoder's step for a change dF.
 //
-// Why the refill. Where a hand comes to a contact, the interpolated energy dips below the lowest
-// one of the records, or jumps where corners change. Then the tank has less than the model holds,
-// and a hand that trembles there would be weakened for good: it stores less with a weakened force,
-// and gets less back. So a hand that comes to rest is given kGift, if its tank has less than half
-// of what the model holds, or if its force is weakened. The force comes back to it slowly: within a
-// tremble, it would give out on each way out what was filled in. A hand that has rested for 2.5 s
-// holds a contact, and gets kRefill until its tank has what it lacks. If its force is still weak,
-// it is from then on the part r of the model's that the tank has of the model's energy: such a
-// force has the energy r E, and r rises by what is filled in alone. A force that is less by a
-// constant has the model's whole stiffness, and a tremble costs it all that is filled in.
-// With kRefill after 2 s of rest, up to 0.39 mJ came back in a session of the default hand, and
-// with kRefill in the first second after a start as well, 0.55 mJ. In 120,000 sessions with the
-// choice made here it was 0.28 mJ, and 0.1 mJ with all grids but one.
-//
-// The bound holds under these assumptions:
-// - The damping of hand and device is at least TankTerms::damping. A hand at rest takes as much as
-//   it may be given.
-// - The hand's acceleration is at most TankTerms::acceleration.
-// - A force is in effect TankTerms::delay or one more ticks after it was sent, for whole ticks.
-// - Positions are rounded to TankTerms::encoder, and energy is counted along rounded positions.
-// - No tick is missed. A missed tick is charged when it is over, so that later forces pay for it.
-//
-// Along the true positions each change dF of the force adds at most |dF| times half a step of the
-// encoder to the energy, of either sign.
-//
-// Alternatives: damping that dissipates what an observer counted (it drags, and it breaks the
-// slew), a virtual coupling (passive, but softer than the model and drags in free air), scaling the
-// whole force (ten times the error).
-//
-// The forces and places are vectors in the box's axes; places are in metres, energies in joules.
+// Alternatives: to book the larger work always (what a trembling hand holds fades) or the mean
+// always (4 to 6 mJ for forces of no energy); a damper for what was counted (it breaks the slew).
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <utility>
 
 #include "libcore/grid/box.hpp"
 
 namespace hapgrid {
 
-/// Joules by which the tank may be overdrawn before forces become softer.
-inline constexpr double kTankSlack = 1e-5;
-/// The most that counts of what the damping takes, W.
-inline constexpr double kMostDamped = 3e-4;
-/// The most that a resting hand gets back of what it was charged for late forces, W.
-inline constexpr double kMostLate = 3e-3;
-/// Joules that a hand is given when it comes to rest, if it lacks them.
-inline constexpr double kGift = 3.5e-5;
-/// W with which the tank is filled of a hand that holds a contact, if it lacks energy.
-inline constexpr double kRefill = 3e-3;
+/// Joules by which the tank may be overdrawn before forces become softer: energies dip by up to
+/// 0.04 mJ between records. Leu-enkephalin (30 points a side) chose it: with 0.05 mJ half as many
+/// of its contacts fade, and 0.19 mJ come back instead of 0.15.
+inline constexpr double kTankSlack = 3e-5;
+/// A hand holds that drifts by less m/s; a faster one that circles over a jump would be paid each
+/// time (dichloroethane). It gets so many watts, what 4 N s/m take of a tremble of 0.3 mm at 10 Hz.
+inline constexpr double kHolding = 0.01, kRefill = 2e-3;
+/// The largest part by which the lead weakens a force; a hand notices 5 to 10 % (Pang, Tan and
+/// Durlach 1991). On the way in it is not limited, which alone is enough where the delay is 0.
+inline constexpr double kMostLead = 0.05;
 /// The largest TankTerms::delay.
 inline constexpr std::uint32_t kMaxTankDelay = 30;
 
 /// What the tank counts on.
 struct TankTerms {
-  double reserve = 5e-4;     ///< joules that letting go may cost beyond what is stored
+  double reserve = 5e-4;     ///< joules that letting go may cost beyond what is in the tank
   double acceleration = 40;  ///< bound on the hand's, m/s^2
   double encoder = 0;        ///< step of the positions, m
   std::uint32_t delay = 0;   ///< ticks from when a force is sent until it is in effect; or one more
-  double damping = 0.1;      ///< of hand and device at least, N s/m; 0: nobody holds the device
   double slew = 1000;        ///< N/s
   double period = 0.001;     ///< seconds from a tick to the next
 };
@@ -91,84 +67,67 @@ struct TankTerms {
 /// In closed form. Infinite when it cannot be computed.
 double letgo(double force, double speed, const TankTerms& terms) noexcept;
 
-/// For one thread; real-time safe. In each tick: move(), then perhaps refill(), then soften() and
-/// bound() if a force is to be sent, then sent().
+/// For one thread; real-time safe; places in m. In each tick: move(), then perhaps ramp() or
+/// refill(), then lead(), soften() and bound() if a force is to be sent, then sent().
 class EnergyTank {
  public:
-  /// In this tick the part of the force that the ramp lets through rises from `before` to `after`,
-  /// both in [0, 1]; a ramp begins with `before` = 0. Grants what `after` times the model's energy
-  /// gains by that, and otherwise what the tank lacks of it, until all grants together are what the
-  /// tank lacked where the ramp began (safety.hpp).
-  /// @param held joules that the model holds above its lowest energy
-  void ramp(double before, double after, double held) noexcept;
-  /// Whether the hand has rested for a quarter of a second, trembling by 3 mm at most.
-  bool rests() const noexcept;
-  /// Gives back and fills in what the tank lacks, if the hand rests and there is damping. Says
-  /// which part of its force a hand gets that holds a weakened one.
-  /// @param dt seconds since it was done before.
-  /// @param held joules that the model holds above its lowest energy
-  void refill(const TankTerms& terms, double held, double dt) noexcept;
+  /// The part of the force that the ramp lets through rises from `before` to `after`, in [0, 1].
+  /// Grants what the tank lacks of `after` times the model's energy, at most what the ramp adds.
+  /// @param model_energy J above the model's lowest
+  void ramp(double before, double after, double model_energy) noexcept;
+  /// While a weak force is held, adds what the tank lacks of the model's energy. @param dt s
+  void refill(double model_energy, double dt) noexcept;
   double energy() const noexcept { return energy_; }
-  /// Joules that were granted so far.
-  double granted() const noexcept { return granted_; }
+  double granted() const noexcept { return granted_; }  ///< so far
 
-  /// The hand came to `place`; charges what the force has done.
-  /// @param dt seconds since the move before. @param certain false when ticks were missed, so that
-  /// nobody knows which force was in effect in between: then nothing is gained.
+  /// The hand came to `place`; charges what the force has done. @param dt seconds since the last
+  /// move. @param certain false when ticks were missed: nobody knows which forces were in effect.
+  /// Then nothing is gained, and later forces pay for what was lost.
   void move(const TankTerms& terms, const Vec3& place, double dt, bool certain) noexcept;
   /// Nobody knows where the hand is. The next move() is uncertain, and its speed is not known.
-  void lose_sight() noexcept { seen_ = 0, rested_ = 0; }
-  /// The handle will move unseen, and the force goes to zero: charges what that may cost.
+  void lose_sight() noexcept { seen_ = 0; }
+  /// The handle will move unseen while the force goes to zero: charges what that may cost.
   void let_go_unseen(const TankTerms& terms) noexcept;
 
+  /// What is to be added to `force` since it is late. @param goes_on from the forces before
+  Vec3 lead(const TankTerms& terms, const Vec3& force, bool goes_on) noexcept;
   /// `wanted`, made smaller along the hand's motion where the tank cannot pay for it. What was
   /// taken away comes back slowly, so that the force does not flicker.
   Vec3 soften(const TankTerms& terms, const Vec3& wanted, double dt) noexcept;
   /// `wanted` if the tank can pay for it; else a force between it and the last one made shorter.
-  /// @param before the last force. @param step the slew limit of this tick in newtons.
+  /// @param before the last force. @param change the slew limit of this tick in newtons.
   Vec3 bound(const TankTerms& terms, const Vec3& wanted, const Vec3& before,
-             double step) const noexcept;
-  void sent(const Vec3& force) noexcept;
+             double change) const noexcept;
+  /// @param lost J that the model's energy lost on the last way; nothing: it jumped, or is unknown
+  void sent(const Vec3& force, std::optional<double> lost) noexcept;
 
  private:
-  const Vec3& force(std::uint32_t ticks_ago) const noexcept;
+  const Vec3& force(std::uint32_t ago) const noexcept {
+    return forces_[(last_force_ + kForces - ago) % kForces];
+  }
   double cost(const TankTerms& terms, const Vec3& force) const noexcept;
   double under_way(const TankTerms& terms) const noexcept;
   double speed_along(const TankTerms& terms, const Vec3& force, double length) const noexcept;
-  void measure_speed() noexcept;
 
-  double energy_ = 0;
-  double granted_ = 0;
-  double ramp_left_ = 0;  // what this ramp may still grant beyond its rise
+  double energy_ = 0, granted_ = 0;
   Vec3 withheld_{0, 0, 0};
-  double part_ = 1;  // of the wanted force, that a hand gets which holds a weakened one
-  // Of the last move: what sent() may give back.
-  Vec3 way_{0, 0, 0};
-  double charged_ = 0;
-  double damped_ = 0;
-  double most_late_ = 0;
-  double late_ = 0;   // what was charged lately beyond the mean and not given back
-  double given_ = 0;  // of kGift, in this rest
-  Vec3 place_{0, 0, 0};
-  bool placed_ = false;
-  // The mean of the last places, and for how many seconds the hand has been near it.
-  Vec3 rest_{0, 0, 0};
-  double rested_ = 0;
-  // The last places, a ring: enough for the window at 30 kHz.
-  static constexpr std::uint32_t kSeen = 64;
-  std::array<Vec3, kSeen> places_{};
-  std::array<double, kSeen> times_{};
+  Vec3 lead_{0, 0, 0}, plain_{0, 0, 0};  // lead of this tick; the last force without its lead
+  std::optional<Vec3> place_;
+  Vec3 way_{0, 0, 0};   // of the last move
+  double charged_ = 0;  // for it
+  // The last places, and when: enough for the window at 30 kHz.
+  static constexpr std::uint32_t kPlaces = 64;
+  std::array<std::pair<Vec3, double>, kPlaces> places_{};
   double time_ = 0;
-  std::uint32_t newest_ = 0;
-  std::uint32_t oldest_ = 0;  // of the window
-  std::uint32_t seen_ = 0;    // places in the window
-  Vec3 speed_{0, 0, 0};       // mean over the window
-  double window_ = 0;         // seconds; 0: the speed is not known
-  // The last forces, a ring.
-  static constexpr std::uint32_t kForces = 32;
-  static_assert(kForces >= kMaxTankDelay + 2);
-  std::array<Vec3, kForces> forces_{};
-  std::uint32_t last_force_ = 0;
+  std::uint32_t newest_ = 0, seen_ = 0;  // of them
+  Vec3 speed_{0, 0, 0};                  // mean over the window, m/s
+  Vec3 drift_{0, 0, 0};                  // over a tremble, m/s
+  double window_ = 0;                    // seconds; 0: the speed is not known
+  // The last forces, as they were sent and as they were wanted.
+  static constexpr std::uint32_t kForces = 64;
+  static_assert(kForces > 2 * (kMaxTankDelay + 1));
+  std::array<Vec3, kForces> forces_{}, wanted_{};
+  std::uint32_t last_force_ = 0, known_ = 0;  // wanted ones since one that did not go on
 };
 
 }  // namespace hapgrid

@@ -132,7 +132,9 @@ class Responder {
                                            .missed = missed,
                                            .speed = unusable ? 0 : speed(hip, dt),
                                            .place = place(hip),
-                                           .stored = unusable ? std::nullopt : stored(chosen),
+                                           .model_energy = unusable ? std::nullopt : model_energy(),
+                                           .account = unusable ? std::nullopt : account(),
+                                           .jumped = step.jumped() || step.split,
                                            .chosen = chosen,
                                            .outside_cells = mapping_.outside_cells(hip),
                                            .stalled = input.stalled,
@@ -150,10 +152,14 @@ class Responder {
     begun_ = true;
   }
 
-  /// The energy that the force can give, in joules, where it is known and needed.
-  std::optional<double> stored(bool chosen) const {
-    if constexpr (requires { force_.stored_energy(traversal_); })
-      if (chosen || safety_.asks_for_stored()) return force_.stored_energy(traversal_);
+  /// In joules, where they are known.
+  std::optional<double> model_energy() const {
+    if constexpr (requires { force_.model_energy(traversal_); })
+      return force_.model_energy(traversal_);
+    return std::nullopt;
+  }
+  std::optional<double> account() const {
+    if constexpr (requires { force_.account(traversal_); }) return force_.account(traversal_);
     return std::nullopt;
   }
 
@@ -250,9 +256,10 @@ void drive(Device& device, Mapping& mapping, Traversal& traversal, SafetyCore& s
 /// Drives `device` until it ends or fails or `stop` is nonzero.
 /// @param force  Vec3 (const Traversal&): the force in newtons at the traversal's position, asked
 ///               after each usable step, of which it knows by Traversal::last_step(). Real-time
-///               safe. It may have a member double stored_energy(const Traversal&): the energy in
-///               joules that the hand can get from the model there, asked after the force where
-///               the safety core needs it.
+///               safe. It may have a member double model_energy(const Traversal&): the energy in
+///               joules that the hand can get from the model there, and a member
+///               std::optional<double> account(const Traversal&), as NodeForce has one, in joules;
+///               both are asked after the force.
 /// @param sink   void (const Tick&), after the force was sent; real-time safe when paced.
 /// @param heartbeat counts the ticks as they begin, for a watchdog in another thread.
 /// @throw whatever force and sink throw, after a zero force was sent.

@@ -100,9 +100,12 @@ Vec3 NodeForce::operator()(const Traversal& traversal) noexcept {
   else if (traversal.corners_before().have_changed)
     keep_force(traversal, corners);
   follow(traversal, corners, jumps);
+  done_ = step.started ? 0 : done_ + dot(added_, traversal.position() - at_);
+  at_ = traversal.position();
   Vec3 force = interpolate_(corners, traversal.part());
-  offset_.add_to(force);
-  return force;
+  added_ = {0, 0, 0};
+  offset_.add_to(added_);
+  return force + added_;
 }
 
 void NodeForce::follow(const Traversal& traversal, const NodeCorners& corners,

@@ -58,6 +58,9 @@ class NodeForce {
   double energy(const Traversal& traversal) const noexcept {
     return hermite_energy(corners_of(traversal.nodes()), traversal.part()) * spacing_;
   }
+  /// The energy there without what offsets of the force have done on the way; in newtons times the
+  /// unit of length. Where nothing jumps, it loses in a step what the force does on the step's way.
+  double account(const Traversal& traversal) const noexcept { return energy(traversal) - done_; }
 
  private:
   void follow(const Traversal& traversal, const NodeCorners& corners, bool jumps) noexcept;
@@ -68,6 +71,9 @@ class NodeForce {
   Interpolate interpolate_;
   double spacing_;
   FadingOffset offset_;
+  Vec3 added_{0, 0, 0};  // by offsets, to the last force
+  Vec3 at_{0, 0, 0};     // the last position
+  double done_ = 0;      // by offsets
 };
 
 }  // namespace hapgrid

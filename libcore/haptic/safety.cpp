@@ -52,26 +52,16 @@ TankTerms tank_terms(const SafetyLimits& limits, const SafetyInput& input) {
           .acceleration = limits.acceleration,
           .encoder = limits.encoder,
           .delay = static_cast<std::uint32_t>(limits.delay_ticks),
-          .damping = limits.damping,
           .slew = limits.slew * 1000,
           .period = input.dt / (1 + static_cast<double>(input.missed))};
 }
 
-/// Zero at once. Later forces start from there.
+/// Zero at once. Later forces start from there; all else outlives the zero, so that its end can be
+/// seen.
 SafeForce let_go(SafetyState& state, std::uint32_t why) {
-  const SafetyState before = state;
-  state = {};
-  // What must outlive the zero, so that its end can be seen.
-  state.faulted = before.faulted;
-  state.speed = before.speed;
-  state.too_fast = before.too_fast;
-  state.anchor = before.anchor;
-  state.extreme = before.extreme;
-  state.swings = before.swings;
-  state.buzzing = before.buzzing;
-  state.tank = before.tank;
-  state.clutched = before.clutched;
-  return {.force = {0, 0, 0}, .acted = why};
+  state.sent = {0, 0, 0};
+  state.ramp = 0;
+  return {.force = state.sent, .acted = why};
 }
 
 void watch_speed(const SafetyLimits& limits, SafetyState& state, const SafetyInput& input) {
@@ -160,16 +150,17 @@ SafeForce limit(const SafetyLimits& limits, SafetyState& state, const SafetyInpu
   if (limits.fade_cells > 0 && input.outside_cells > 0)
     scale(1 - input.outside_cells / limits.fade_cells, kFaded);
   if (state.swings > 0) scale(limits.buzz_rate * kBuzzTime / state.swings, kDamped);
+  const double before = input.chosen ? 0 : state.ramp;
   if (input.clutch) {
     state.ramp = 0;
     scale(0, kClutched);
   } else {
-    const double before = input.chosen ? 0 : state.ramp;
     state.ramp = limits.ramp_ms > 0 ? std::min(1.0, before + input.dt * 1000 / limits.ramp_ms) : 1;
     scale(state.ramp, kRamped);
-    const double stored = input.stored.value_or(0);
-    if (before < 1) state.tank.ramp(before, state.ramp, stored);
-    if (tank && input.stored && state.ramp == 1) state.tank.refill(terms, stored, input.dt);
+    if (before < 1)
+      state.tank.ramp(before, state.ramp, input.model_energy.value_or(0));
+    else if (tank && input.model_energy)
+      state.tank.refill(*input.model_energy, input.dt);
   }
 
   const auto spend = [&](const Vec3& affordable) {
@@ -179,7 +170,10 @@ SafeForce limit(const SafetyLimits& limits, SafetyState& state, const SafetyInpu
   if (tank) {
     // What will not be sent need not be withheld.
     if (clamp_magnitude(force, limits.max_force)) safe.acted |= kClamped;
+    const bool goes_on = before > 0 && !input.jumped && input.missed == 0;
+    const Vec3 lead = state.tank.lead(terms, force, goes_on);
     spend(state.tank.soften(terms, force, input.dt));
+    force = force + lead;
   }
   const double step = limits.slew * 1000 * std::min(input.dt, input.slew_dt);
   slew_and_clamp(limits, state.sent, step, force, safe.acted);
@@ -195,7 +189,10 @@ SafeForce limit_force(const SafetyLimits& limits, SafetyState& state,
   const TankTerms terms = tank_terms(limits, input);
   const bool tank = watch_energy(limits, state, input, terms);
   const SafeForce safe = limit(limits, state, input, terms, tank);
-  if (tank || input.clutch) state.tank.sent(safe.force);
+  const std::optional<double> before = std::exchange(state.account, input.account);
+  std::optional<double> lost;
+  if (before && input.account && !input.jumped) lost = state.ramp * (*before - *input.account);
+  if (tank || input.clutch) state.tank.sent(safe.force, lost);
   return safe;
 }
 
@@ -226,7 +223,6 @@ SafetyCore::SafetyCore(const SafetyLimits& limits) : limits_(limits) {
   check("the hand's acceleration", limits.acceleration, false);
   check("the encoder's step", limits.encoder, false);
   check("the delay", limits.delay_ticks, false);
-  check("the damping", limits.damping, false);
   if (limits.delay_ticks > kMaxTankDelay)
     throw Error(format("safety: the delay is {} ticks, the limit is {}",
                        to_text(limits.delay_ticks), kMaxTankDelay));

@@ -7,23 +7,22 @@
 //   |F| <= limits.max_force, always;
 //   |F - F of the tick before| <= slew min(dt, slew_dt), unless F is a zero that a fault demands:
 //   so the loop keeps the slew limit in wall time (loop.hpp);
-//   the energy that the hand got back <= what the hand has put in + what the model held where the
-//   ramp began, and where it rose + what limits.damping takes from the motion, at most kMostDamped
-//   + what a resting hand is given (energy_tank.hpp) + limits.reserve + 0.01 mJ.
+//   the energy that the hand got back <= what the hand has put in + what the ramp granted
+//   + 2 mW while it holds a weakened force + limits.reserve + 0.03 mJ.
 //
-// The third promise assumes that the hand's acceleration, the damping of hand and device, the
-// encoder and the delay are those of the limits, and that no tick is missed; energy_tank.hpp says
-// what happens else. It needs the hand's place in metres, so there is no such promise where the
-// scale is not known: that is so only for devices that push nobody (paths, keys, and replays of
-// them).
+// What the third promise assumes: the hand's acceleration, the encoder and the delay are those of
+// the limits, and no tick is missed; forces that do what the model's energy loses come late by what
+// the damping of hand and device takes. A field does so: its forces change little in a tick. That
+// the energies and forces of a grid belong to one field is guarded by agreement.hpp when it is
+// loaded, and by the tank where they differ in a tick (energy_tank.hpp). The promise needs the
+// hand's place in metres, so there is none where the scale is not known: that is so only for
+// devices that push nobody (paths, keys, and replays of them).
 //
 // The ramp. A force that rises from 0 to F where the hand is gives the hand energy that it never
 // put in: without that energy a contact that is there at the start would stay without its force for
 // as long as it is held. In a tick in which the ramp rises by dr, a model that holds the energy E
-// there grants dr E, which is what r E(x) gains. A hand that the rising force pushes out is charged
-// for late forces on its way, which may be more than all that the model still holds where it ends.
-// So the ramp also grants what the tank lacks of r E (and 0.05 mJ), until all grants together are
-// the E of where the ramp began. A fault without a ramp grants nothing anew.
+// there grants dr E, which is what r E(x) gains, unless the tank has r E already. A fault without a
+// ramp grants nothing anew.
 //
 // Faults are a number that is not finite, a silent device, a hand that is too fast, missed ticks,
 // and buzzing that does not stop. A fault gives zero in the very tick in which it is seen, without
@@ -77,11 +76,10 @@ struct SafetyLimits {
   /// This many missed ticks give zero, then a ramp; inf: none. At 1 kHz 10 ms: a busy machine is
   /// seldom late by that, and a hand goes 2 cm in them at most.
   double watchdog_ticks = 10;
-  double reserve = 0.5;      ///< mJ that letting go may cost beyond what is stored; inf: no limit
+  double reserve = 0.5;      ///< mJ that letting go may cost beyond the tank's; inf: no limit
   double acceleration = 40;  ///< of the hand at most, m/s^2
   double encoder = 5.5e-5;   ///< the device's positions come in such steps, m
   double delay_ticks = 0;    ///< from when a force is sent until it is in effect
-  double damping = 0.1;      ///< of hand and device at least, N s/m; 0: of a device without a hand
 };
 
 /// At this multiple of buzz_rate damping did not help, and the force becomes zero.
@@ -98,9 +96,13 @@ struct SafetyInput {
   double speed = 0;          ///< of the hand, m/s; 0 when the scale is not known
   /// The HIP in metres of the hand, in the box's axes; nothing when the scale is not known.
   std::optional<Vec3> place = std::nullopt;
-  /// Joules that the model holds there, above its lowest energy, where that is known. Only looked
-  /// at where asks_for_stored() says so, and with `chosen`.
-  std::optional<double> stored = std::nullopt;
+  /// Joules that the model holds there, above its lowest energy, where that is known.
+  std::optional<double> model_energy = std::nullopt;
+  /// Joules that lose in a tick what the model's force does in it, unless something jumped:
+  /// NodeForce::account(). Nothing where the model's energy is not known.
+  std::optional<double> account = std::nullopt;
+  /// The state does not go on from that of the tick before.
+  bool jumped = false;
   /// The hand chose this state, and did not come to it: the force comes in by the ramp.
   bool chosen = false;
   double outside_cells = 0;  ///< how far the HIP is outside the box, in grid spacings
@@ -122,7 +124,7 @@ enum SafetyAction : std::uint32_t {
   kRamped = 1U << 8,    ///< on the way back from zero
   kSlewed = 1U << 9,    ///< the change was above the limit
   kClamped = 1U << 10,  ///< the magnitude was above the limit
-  kEnergy = 1U << 11,   ///< the hand would have got back more than was stored
+  kEnergy = 1U << 11,   ///< the hand would have got back more than it may
 };
 inline constexpr std::size_t kSafetyActions = 12;
 /// The names of the bits in logs and reports.
@@ -152,6 +154,7 @@ struct SafetyState {
   bool buzzing = false;
   // Energy.
   EnergyTank tank;
+  std::optional<double> account;  // of the tick before
   bool clutched = false;
 };
 
@@ -170,14 +173,12 @@ class SafetyCore {
   bool faulted() const noexcept { return state_.faulted; }
   /// Another hand: nothing of the ticks before counts. Real-time safe.
   void begin() noexcept { state_ = {}; }
-  /// Whether the next force is one of the ramp, or for a resting hand. Real-time safe.
-  bool asks_for_stored() const noexcept { return state_.ramp < 1 || state_.tank.rests(); }
   /// Ends a fault: the force comes back with the ramp. Real-time safe.
   void reset() noexcept;
   /// Joules that the ramp has added so far to what the hand may get back. Real-time safe.
   double granted() const noexcept { return state_.tank.granted(); }
   /// Joules that the hand may get back. Real-time safe.
-  double stored() const noexcept { return state_.tank.energy(); }
+  double tank_energy() const noexcept { return state_.tank.energy(); }
 
  private:
   SafetyLimits limits_;

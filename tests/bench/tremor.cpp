@@ -16,27 +16,14 @@
 // more than 1.2 times those without the tank (and more than 0.01 N); the largest such ratio; the
 // longest time until the force is full for a quarter of a second, in s.
 #include <cstdlib>
-#include <memory>
-#include <numbers>
-#include <optional>
 #include <sstream>
 
-#include "libcore/device/simulated.hpp"
-#include "libcore/grid/vec3.hpp"
-#include "libcore/haptic/branch_traversal.hpp"
-#include "libcore/haptic/loop.hpp"
-#include "libcore/haptic/node_force.hpp"
-#include "libcore/haptic/record_fields.hpp"
-#include "libcore/haptic/tear_function.hpp"
-#include "tests/bench/bench.hpp"
+#include "tests/bench/hand.hpp"
 
 namespace {
 
 using namespace hapgrid;
 using namespace hapgrid::bench;
-
-constexpr double kReach = 0.1;  // m
-constexpr int kRate = 1000;
 
 /// What a hand feels in a hold.
 struct Held {
@@ -55,125 +42,60 @@ struct Hand {
   std::optional<std::uint32_t> late;
 };
 
-class Player {
- public:
-  Player(const Grid& grid, const MakeModel& make)
-      : grid_(grid),
-        make_(make),
-        map_(std::make_shared<const BranchMap>(grid)),
-        energies_(std::make_shared<const NodeEnergies>(grid, &map_->nodes,
-                                                       record_fields(grid, make, 2))) {}
-
-  /// @param at the hand's point, m. @param from where it comes from
-  Held hold(const Hand& hand, const Vec3& from, const Vec3& at, double phase, double tremor,
-            double seconds, const SafetyLimits& limits) const {
-    const SimulatedOptions options{.stiffness = hand.stiffness, .delay = hand.delay};
-    std::size_t begin = 0;
-    SimulatedDevice device(options, [&](std::uint64_t, std::vector<Vec3>& targets) {
-      begin = way(hand, from, at, phase, tremor, seconds, targets);
-    });
-    Mapping mapping({}, device.info(), grid_.box());
-    BranchTraversal traversal(grid_, map_);
-    std::optional<Beside> beside;
-    if (hand.late) {
-      beside.emplace(grid_, make_(), hand.late);
-      beside->begin(kRate);
-      traversal.walk_beside(&*beside);
-    }
-    SafetyCore safety(limits);
-    struct Force {
-      NodeForce force;
-      double metres;
-      Vec3 operator()(const Traversal& t) { return force(t); }
-      double stored_energy(const Traversal& t) const { return force.energy(t) * metres; }
-    } force{NodeForce(energies_, grid_.box(), hermite_force), limits.gain / mapping.scale()};
-    Held held;
-    const double ticks = seconds * kRate;
-    double n = 0, weak = 0;
-    bool is_full = false;
-    std::atomic<int> stop{0};
-    std::atomic<std::uint64_t> beat{0};
-    run_loop(
-        device, mapping, traversal, safety, force,
-        [&](const Tick& tick) {
-          const double t = static_cast<double>(tick.number) - static_cast<double>(begin);
-          if (t < 0) return;
-          const double raw = limits.gain * length_of(tick.raw_force);
-          const double sent = length_of(tick.force.force);
-          if (tick.step.snapped && t > 500) held.snapped = true;
-          if (!(sent >= 0.95 * raw - 0.01)) weak = t;
-          if (!is_full) held.full = weak / kRate;
-          if (t - weak > kRate / 4) is_full = true;
-          if (t > ticks * 2 / 3) {
-            held.low = std::min(held.low, sent);
-            held.high = std::max(held.high, sent);
-          }
-          if (t > ticks * 0.9) held.raw += raw, held.sent += sent, ++n;
-        },
-        stop, beat);
-    held.raw /= n, held.sent /= n;
-    return held;
+/// @param at the hand's point, m. @param from where it comes from
+Held hold(const Player& player, const Hand& hand, const Vec3& from, const Vec3& at, double phase,
+          double tremor, double seconds, const SafetyLimits& limits) {
+  std::vector<Vec3> targets{at};
+  if (hand.approaches) {
+    targets = {from};
+    move_to(targets, at, 0.1);
   }
-
- private:
-  /// @return the tick in which the hold begins
-  static std::size_t way(const Hand& hand, const Vec3& from, const Vec3& at, double phase,
-                         double tremor, double seconds, std::vector<Vec3>& targets) {
-    targets.clear();
-    if (hand.approaches) {
-      const double leg = length_of(at - from) / 0.1 * kRate;
-      for (double i = 0; i < leg; ++i) {
-        const double t = i / leg;
-        targets.push_back(from + t * t * t * (10 - 15 * t + 6 * t * t) * (at - from));
-      }
-    }
-    const std::size_t begin = targets.size();
-    targets.resize(begin + static_cast<std::size_t>(seconds * kRate), at);
-    for (std::size_t i = 0; i < targets.size(); ++i)
-      for (int a = 0; a < 3; ++a) {
-        const double hertz = 8 + std::fmod(phase * (a + 1), 1.0) * 4;
-        targets[i][a] +=
-            tremor * std::sin(2 * std::numbers::pi * hertz * static_cast<double>(i) / kRate);
-      }
-    return begin;
-  }
-
-  const Grid& grid_;
-  MakeModel make_;
-  std::shared_ptr<const BranchMap> map_;
-  std::shared_ptr<const NodeEnergies> energies_;
-};
+  const double begin = static_cast<double>(targets.size() - 1), ticks = seconds * kRate;
+  rest(targets, seconds);
+  tremble(targets, tremor, phase);
+  Held held;
+  double n = 0, weak = 0;
+  bool is_full = false;
+  player.play({.stiffness = hand.stiffness, .delay = hand.delay}, targets, limits, hand.late,
+              [&](const Tick& tick, const SimulatedDevice&, const SafetyCore&) {
+                const double t = static_cast<double>(tick.number) - begin;
+                if (t < 0) return;
+                const double raw = limits.gain * length_of(tick.raw_force);
+                const double sent = length_of(tick.force.force);
+                if (tick.step.snapped && t > 500) held.snapped = true;
+                if (!(sent >= 0.95 * raw - 0.01)) weak = t;
+                if (!is_full) held.full = weak / kRate;
+                if (t - weak > kRate / 4) is_full = true;
+                if (t > ticks * 2 / 3) {
+                  held.low = std::min(held.low, sent);
+                  held.high = std::max(held.high, sent);
+                }
+                if (t > ticks * 0.9) held.raw += raw, held.sent += sent, ++n;
+              });
+  held.raw /= n, held.sent /= n;
+  return held;
+}
 
 void measure(const Grid& grid, const Player& player, const Hand& hand, int contacts,
              std::uint64_t seed) {
   std::mt19937_64 random(seed);
-  const auto somewhere = [&] {
-    const Box& box = grid.box();
-    int longest = 0;
-    for (int a = 1; a < 3; ++a)
-      if (box.counts[a] > box.counts[longest]) longest = a;
-    Vec3 x;
-    for (int a = 0; a < 3; ++a)
-      x[a] = kReach / 2 * uniform(random, -1, 1) * (box.counts[a] - 1) / (box.counts[longest] - 1);
-    return x;
-  };
   constexpr double kInf = std::numeric_limits<double>::infinity();
   SafetyLimits with, without{.max_speed = kInf, .buzz_force = kInf, .reserve = kInf};
   with.gain = without.gain = hand.gain;
   int tried = 0, found = 0, weak = 0, swinging = 0, unstable = 0;
   double least = 1, most = 0, longest = 0;
   for (; found < contacts && tried < 400; ++tried) {
-    const Vec3 from = somewhere(), at = somewhere();
+    const Vec3 from = somewhere(grid.box(), random), at = somewhere(grid.box(), random);
     const double phase = uniform(random, 0, 1);
-    const Held rest = player.hold(hand, from, at, phase, 0, 3, without);
+    const Held rest = hold(player, hand, from, at, phase, 0, 3, without);
     if (rest.sent < 0.1 || rest.sent > 2.5) continue;
-    const Held open = player.hold(hand, from, at, phase, hand.tremor, hand.seconds, without);
+    const Held open = hold(player, hand, from, at, phase, hand.tremor, hand.seconds, without);
     if (open.sent < 0.999 * open.raw) continue;  // outside the box the force fades
     if (rest.swing() > 0.02 || open.snapped) {
       ++unstable;
       continue;
     }
-    const Held held = player.hold(hand, from, at, phase, hand.tremor, hand.seconds, with);
+    const Held held = hold(player, hand, from, at, phase, hand.tremor, hand.seconds, with);
     ++found;
     const double part = held.sent / held.raw, swings = held.swing() / std::max(open.swing(), 1e-3);
     weak += part < 0.95;

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# Whether contacts hold that a trembling hand holds (tremor.cpp): a table, and a picture of one of them.
+# Whether contacts hold that a trembling hand holds (tremor.cpp): a table.
 #
-#   tests/bench/tremor.sh [BUILD] [CONTACTS] [SECONDS] [SEED] [PICTURE]        (default: build 20 60 1 held.png)
+#   tests/bench/tremor.sh [BUILD] [CONTACTS] [SECONDS] [SEED]        (default: build 20 60 1)
 #
 # The grids are computed first. A row has tremors of 0.05 to 0.3 mm, and hands of 60, 300 and 900 N/m: twelve times
 # CONTACTS, each held for SECONDS. All rows together take an hour of CPU time, with 6 contacts and 20 seconds some
 # minutes. Another SEED draws other contacts.
-picture=$(realpath "${5:-held.png}") contacts=${2:-20} seconds=${3:-60} seed=${4:-1}
+contacts=${2:-20} seconds=${3:-60} seed=${4:-1}
 source "$(dirname "$0")/lib.sh"
 molecules=$HAPGRID_SOURCE/examples/molecule
 compute ball "$ball" 40
@@ -17,15 +17,6 @@ done <<<"alanine-dipeptide 20
 butane 30
 dichloroethane 20
 leu-enkephalin 30"
-
-# A hand of 300 N/m presses alanine dipeptide and holds it for a minute.
-awk 'BEGIN { for (i = 0; i < 63000; ++i) print (i < 3000 ? -7 + i * 5 / 3000 : -2), 1, 1 }' >path
-printf '[hand]\npath = "path"\ntremor = 3e-4\n' >hold.toml
-for damping in 0.1 0; do
-  play alanine-dipeptide.grid --device sim:hold.toml --gain 3 --set "safety.damping=$damping" --log "$damping.log" 2>/dev/null
-done
-plot columns 0.log 0.1.log --y sent --names 'no damping assumed,safety.damping = 0.1 N s/m' --labels 'time / s,force on the hand / N' \
-  -o "$picture"
 
 echo '|model|gain|the hand|contacts|faded, at most of a hand'\''s|the most faded|swings more, at most|how much more|full force after|'
 echo '|---|---|---|---|---|---|---|---|---|'

@@ -150,7 +150,6 @@ void play(const Case& made, bool is_fine, Input& input) {
   SafetyLimits limits;
   limits.ramp_ms = 0;
   limits.encoder = 0;
-  limits.damping = 0;
   SafetyCore core(limits);
   core.begin();
   Vec3 x, sent{0, 0, 0};

@@ -36,9 +36,14 @@ class PlayForce {
   Vec3 operator()(const Traversal& traversal) noexcept {
     return nodes_ ? (*nodes_)(traversal) : fields_.force(traversal.position(), traversal.row());
   }
+  /// NodeForce::account(); nothing for other forces. Real-time safe.
+  std::optional<double> account(const Traversal& traversal) const noexcept {
+    if (rule_ != ForceRule::kEnergy) return std::nullopt;
+    return nodes_->account(traversal);
+  }
   /// The energy that the hand can get from the model there, in newtons times the model's unit of
   /// length; nothing where it is not known. Real-time safe, as far as the model.
-  std::optional<double> stored_energy(const Traversal& traversal) const noexcept {
+  std::optional<double> model_energy(const Traversal& traversal) const noexcept {
     if (rule_ == ForceRule::kEnergy) return nodes_->energy(traversal);
     if (!fields_.has_energy()) return std::nullopt;
     return fields_.energy(traversal.position(), traversal.row()) * fields_.force_scale();

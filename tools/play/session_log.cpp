@@ -42,7 +42,6 @@ void each_limit(Limits& limits, F&& f) {
   f("acceleration_m_per_s2", limits.acceleration);
   f("encoder_m", limits.encoder);
   f("delay_ticks", limits.delay_ticks);
-  f("damping", limits.damping);
 }
 
 }  // namespace

@@ -20,10 +20,9 @@ inline SafetyLimits only_clamp(double max_force) {
 }
 
 /// Every stage off but slew, clamp and tank.
-inline SafetyLimits only_tank(double damping = 0) {
+inline SafetyLimits only_tank() {
   SafetyLimits limits = only_clamp(3);
   limits.slew = 1;
-  limits.damping = damping;
   return limits;
 }
 

@@ -83,7 +83,6 @@ TEST_CASE("|F| and |dF| keep their limits whatever comes, and a fault is zero in
     limits.watchdog_ticks = any_limit(random, 10);
     limits.reserve = any_limit(random, 1);
     limits.acceleration = std::min(any_limit(random, 40), 1e6);
-    limits.damping = std::min(any_limit(random, 1), 1e6);
     limits.encoder = std::min(any_limit(random, 1e-4), 1e-2);
     limits.delay_ticks = static_cast<double>(random() % (kMaxTankDelay + 1));
     SafetyCore safety(limits);
@@ -166,11 +165,11 @@ TEST_CASE("a state that the hand chose gives its force by the ramp, and its ener
   SafetyCore safety({.slew = 0.5, .ramp_ms = 100, .reserve = 0});
   SafetyInput in = tick({1, 0, 0});
   in.place = {0, 0, 0};
-  in.stored = 0.002;
+  in.model_energy = 0.002;
   for (int i = 0; i < 200; ++i) safety.apply(in);
   CHECK(safety.granted() == Approx(0.002));
   in.force = {-3, 0, 0};
-  in.stored = 0.005;
+  in.model_energy = 0.005;
   in.chosen = true;
   Vec3 before{1, 0, 0};
   for (int i = 1; i <= 100; ++i, in.chosen = false) {
@@ -181,7 +180,7 @@ TEST_CASE("a state that the hand chose gives its force by the ramp, and its ener
     before = safe.force;
   }
   CHECK(before[0] == Approx(-3));
-  CHECK(safety.stored() == Approx(0.005));
+  CHECK(safety.tank_energy() == Approx(0.005));
 }
 
 TEST_CASE("the slew limit is a line to the wanted force, in its direction") {
