@@ -12,9 +12,10 @@ declare -A allowed=(
   [model]="base grid"
   [shard]="base grid"
   [search]="base grid model shard"
-  [check]="base grid model shard search haptic"  # beyond house-style.md: what play does is measured on play
+  [follow]="base grid model"
+  [check]="base grid model shard search follow"
   [device]="base grid"         # beyond house-style.md: a device's positions are grid's Vec3
-  [haptic]="base grid device model"  # the interfaces of both: that the loop knows no hidapi is what counts
+  [loop]="base grid device follow"  # of follow/ the interface of a traversal alone
   [scene]="base grid"
   [session]="base grid"
 )
@@ -85,11 +86,11 @@ for file in $(sources libcore); do
   fi
 done
 
-# haptic, device and model meet only in play.
+# loop, device and model meet only in play.
 for file in $(sources tools); do
-  folders=$(sed -nE 's:^#include "libcore/(haptic|device|model)/.*:\1:p' "$file" | sort -u | wc -l)
+  folders=$(sed -nE 's:^#include "libcore/(loop|device|model)/.*:\1:p' "$file" | sort -u | wc -l)
   if ((folders == 3)) && [[ $file != tools/play.cpp && $file != tools/play/* ]]; then
-    complain "$file: haptic, device and model meet only in play"
+    complain "$file: loop, device and model meet only in play"
   fi
 done
 exit $bad

@@ -1,6 +1,6 @@
 #include "libcore/check/gradient.hpp"
 
-#include "libcore/haptic/agreement.hpp"
+#include "libcore/follow/agreement.hpp"
 
 namespace hapgrid {
 

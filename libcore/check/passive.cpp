@@ -8,8 +8,8 @@
 #include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
+#include "libcore/follow/node_force.hpp"
 #include "libcore/grid/describe.hpp"
-#include "libcore/haptic/node_force.hpp"
 #include "libcore/search/tears.hpp"
 
 namespace hapgrid {

@@ -1,6 +1,6 @@
 // Whether a hand that comes back to where it was can have gained energy.
 //
-// Where play interpolates the energy of the nodes (haptic/node_force.hpp), this energy is the
+// Where play interpolates the energy of the nodes (follow/node_force.hpp), this energy is the
 // potential of the force on a branch, so that a closed walk on a branch has no work at all. What is
 // left is where the state snaps to another branch: the hand gains what the energy behind the snap
 // is above the energy before it, and no closed walk gains anything when no snap leads up. Each snap
@@ -19,9 +19,9 @@
 #include <string>
 
 #include "libcore/check/report.hpp"
+#include "libcore/follow/branch_traversal.hpp"
+#include "libcore/follow/node_energies.hpp"
 #include "libcore/grid/grid.hpp"
-#include "libcore/haptic/branch_traversal.hpp"
-#include "libcore/haptic/node_energies.hpp"
 #include "libcore/search/converter.hpp"
 
 namespace hapgrid {

@@ -1,13 +1,13 @@
 // What play does off the grid's points, against what the model does there.
 //
-// A random hand walks through the box. Play follows it (haptic/traversal.hpp), and so does the
+// A random hand walks through the box. Play follows it (follow/traversal.hpp), and so does the
 // model, from the same state, by C in steps that are small against the spacing. After some steps
 // the two are compared. They differ for two reasons:
 // - Play interpolates. This error falls with the spacing.
 // - A branch ends. The model changes its branch at one place. By the paper's rule play changes it
 //   corner by corner at the faces of nearby cells, and blends the branches in between: this error
 //   is the distance of the branches, whatever the spacing; only the region where it occurs shrinks.
-//   By the rule that stays on a branch (haptic/branch_traversal.hpp) some corners are extrapolated
+//   By the rule that stays on a branch (follow/branch_traversal.hpp) some corners are extrapolated
 //   there.
 // The model itself says which reason applies: C from each corner of the cell, with the record that
 // play has there, must lead to the state of the model that walked, and C from there back to the
@@ -32,8 +32,8 @@
 
 #include "libcore/check/fidelity.hpp"
 #include "libcore/check/report.hpp"
+#include "libcore/follow/traversal.hpp"
 #include "libcore/grid/grid.hpp"
-#include "libcore/haptic/traversal.hpp"
 #include "libcore/model/fields.hpp"
 
 namespace hapgrid {

@@ -17,8 +17,8 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
-#include "libcore/haptic/branch_traversal.hpp"
-#include "libcore/haptic/model_traversal.hpp"
+#include "libcore/follow/branch_traversal.hpp"
+#include "libcore/follow/model_traversal.hpp"
 #include "tests/bench/bench.hpp"
 
 namespace {

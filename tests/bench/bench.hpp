@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "libcore/haptic/traversal.hpp"
+#include "libcore/follow/traversal.hpp"
 #include "libcore/model/plugin_model.hpp"
 #include "libcore/shard/load.hpp"
 

@@ -35,11 +35,11 @@
 #include <memory>
 #include <optional>
 
-#include "libcore/haptic/agreement.hpp"
-#include "libcore/haptic/branch_traversal.hpp"
-#include "libcore/haptic/node_force.hpp"
-#include "libcore/haptic/paper_traversal.hpp"
-#include "libcore/haptic/record_fields.hpp"
+#include "libcore/follow/agreement.hpp"
+#include "libcore/follow/branch_traversal.hpp"
+#include "libcore/follow/node_force.hpp"
+#include "libcore/follow/paper_traversal.hpp"
+#include "libcore/follow/record_fields.hpp"
 #include "libcore/model/fields.hpp"
 #include "tests/bench/paths.hpp"
 

@@ -19,8 +19,8 @@
 #include <filesystem>
 
 #include "libcore/device/process_device.hpp"
-#include "libcore/haptic/pacer.hpp"
-#include "libcore/haptic/realtime.hpp"
+#include "libcore/loop/pacer.hpp"
+#include "libcore/loop/realtime.hpp"
 
 using namespace hapgrid;
 

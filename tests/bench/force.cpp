@@ -16,11 +16,11 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/check/random_hand.hpp"
-#include "libcore/haptic/agreement.hpp"
-#include "libcore/haptic/branch_traversal.hpp"
-#include "libcore/haptic/model_traversal.hpp"
-#include "libcore/haptic/node_force.hpp"
-#include "libcore/haptic/record_fields.hpp"
+#include "libcore/follow/agreement.hpp"
+#include "libcore/follow/branch_traversal.hpp"
+#include "libcore/follow/model_traversal.hpp"
+#include "libcore/follow/node_force.hpp"
+#include "libcore/follow/record_fields.hpp"
 #include "tests/bench/bench.hpp"
 
 namespace {

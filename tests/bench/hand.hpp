@@ -9,12 +9,12 @@
 #include <utility>
 
 #include "libcore/device/simulated.hpp"
+#include "libcore/follow/branch_traversal.hpp"
+#include "libcore/follow/node_force.hpp"
+#include "libcore/follow/record_fields.hpp"
+#include "libcore/follow/tear_function.hpp"
 #include "libcore/grid/vec3.hpp"
-#include "libcore/haptic/branch_traversal.hpp"
-#include "libcore/haptic/loop.hpp"
-#include "libcore/haptic/node_force.hpp"
-#include "libcore/haptic/record_fields.hpp"
-#include "libcore/haptic/tear_function.hpp"
+#include "libcore/loop/loop.hpp"
 #include "tests/bench/bench.hpp"
 
 namespace hapgrid::bench {

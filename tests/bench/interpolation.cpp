@@ -17,9 +17,9 @@
 #include <memory>
 #include <vector>
 
-#include "libcore/haptic/branch_traversal.hpp"
-#include "libcore/haptic/paper_traversal.hpp"
-#include "tests/unit/haptic/random_grid.hpp"
+#include "libcore/follow/branch_traversal.hpp"
+#include "libcore/follow/paper_traversal.hpp"
+#include "tests/unit/follow/random_grid.hpp"
 
 namespace {
 

@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "libcore/base/error.hpp"
+#include "libcore/follow/tear_function.hpp"
 #include "libcore/grid/vec3.hpp"
-#include "libcore/haptic/tear_function.hpp"
 #include "tests/bench/bench.hpp"
 
 namespace hapgrid::bench {

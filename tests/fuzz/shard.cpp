@@ -4,8 +4,8 @@
 
 #include "libcore/check/continuous.hpp"
 #include "libcore/check/invariants.hpp"
-#include "libcore/haptic/branch_nodes.hpp"
-#include "libcore/haptic/paper_traversal.hpp"
+#include "libcore/follow/branch_nodes.hpp"
+#include "libcore/follow/paper_traversal.hpp"
 #include "libcore/shard/load.hpp"
 #include "libcore/shard/reader.hpp"
 #include "libcore/shard/schema.hpp"

@@ -15,8 +15,8 @@
 #include "libcore/check/continuous.hpp"
 #include "libcore/check/invariants.hpp"
 #include "libcore/check/passive.hpp"
-#include "libcore/haptic/node_force.hpp"
-#include "libcore/haptic/safety.hpp"
+#include "libcore/follow/node_force.hpp"
+#include "libcore/loop/safety.hpp"
 #include "tests/fuzz/fuzz.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
 
@@ -138,7 +138,7 @@ constexpr double kStep = 1e-3;     // spacings a tick and axis
 constexpr double kMetres = 0.006;  // a spacing
 // States are in [-1, 1] and ghosts in [-7, 7], so the blend moves by 3 x 14 steps at most; an
 // offset of 70, from five changes of all corners within half a spacing, fades by 70 x 2 x sqrt(3)
-// steps (tests/unit/haptic/branch_test.cpp).
+// steps (tests/unit/follow/branch_test.cpp).
 constexpr double kMostMoved = (3 * 14 + 70 * 2 * 1.7321) * kStep;
 
 void play(const Case& made, bool is_fine, Input& input) {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "libcore/haptic/node_force.hpp"
+#include "libcore/follow/node_force.hpp"
 #include "tools/common/traversals.hpp"
 
 namespace hapgrid {

@@ -1,9 +1,9 @@
 #include "tools/common/traversals.hpp"
 
 #include "libcore/base/format.hpp"
-#include "libcore/haptic/branch_traversal.hpp"
-#include "libcore/haptic/model_traversal.hpp"
-#include "libcore/haptic/paper_traversal.hpp"
+#include "libcore/follow/branch_traversal.hpp"
+#include "libcore/follow/model_traversal.hpp"
+#include "libcore/follow/paper_traversal.hpp"
 
 namespace hapgrid {
 

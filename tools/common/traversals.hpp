@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "libcore/haptic/traversal.hpp"
+#include "libcore/follow/traversal.hpp"
 #include "libcore/model/model.hpp"
 
 namespace hapgrid {

@@ -5,7 +5,7 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
-#include "libcore/haptic/branch_nodes.hpp"
+#include "libcore/follow/branch_nodes.hpp"
 #include "tools/common/tool.hpp"
 
 namespace hapgrid {

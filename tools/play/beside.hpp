@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "libcore/haptic/beside.hpp"
+#include "libcore/follow/beside.hpp"
 
 namespace hapgrid {
 

@@ -17,7 +17,7 @@
 #include "libcore/device/keyboard.hpp"
 #include "libcore/device/path.hpp"
 #include "libcore/device/replay.hpp"
-#include "libcore/haptic/mapping.hpp"
+#include "libcore/loop/mapping.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/play/simulation.hpp"
 

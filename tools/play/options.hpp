@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "libcore/haptic/realtime.hpp"
+#include "libcore/loop/realtime.hpp"
 #include "tools/common/models.hpp"
 #include "tools/common/traversals.hpp"
 #include "tools/play/devices.hpp"
@@ -19,8 +19,8 @@ struct PlayOptions {
   double rate_hz = 0;  ///< 0: kDefaultRateHz for a live device, no pace for a scripted one
   std::optional<TraversalRule> traversal;
   std::optional<ForceRule> force;
-  std::optional<std::string> beside;  ///< is_beside()
-  double duration_s = 0;              ///< 0: until the device ends
+  std::optional<std::string> beside;     ///< is_beside()
+  double duration_s = 0;                 ///< 0: until the device ends
   std::optional<RealtimeMode> realtime;  ///< nothing: kTry
   std::string log;
   std::string frames;

@@ -3,7 +3,7 @@
 #include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
 #include "libcore/base/parallel.hpp"
-#include "libcore/haptic/record_fields.hpp"
+#include "libcore/follow/record_fields.hpp"
 #include "tools/common/tool.hpp"
 
 namespace hapgrid {

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "libcore/haptic/beside.hpp"
-#include "libcore/haptic/loop.hpp"
+#include "libcore/follow/beside.hpp"
+#include "libcore/loop/loop.hpp"
 #include "libcore/scene/publisher.hpp"
 #include "tools/play/sessions.hpp"
 

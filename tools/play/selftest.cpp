@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "libcore/base/format.hpp"
+#include "libcore/follow/paper_traversal.hpp"
 #include "libcore/grid/grid.hpp"
-#include "libcore/haptic/paper_traversal.hpp"
 #include "tools/common/signals.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/play/report.hpp"

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "libcore/haptic/loop.hpp"
+#include "libcore/loop/loop.hpp"
 #include "libcore/session/recorder.hpp"
 #include "libcore/session/recording.hpp"
 #include "tools/play/played_force.hpp"

@@ -8,7 +8,7 @@
 
 #include "libcore/base/histogram.hpp"
 #include "libcore/device/simulated.hpp"
-#include "libcore/haptic/loop.hpp"
+#include "libcore/loop/loop.hpp"
 #include "libcore/model/fields.hpp"
 
 namespace hapgrid {

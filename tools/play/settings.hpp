@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "libcore/haptic/mapping.hpp"
-#include "libcore/haptic/safety.hpp"
+#include "libcore/loop/mapping.hpp"
+#include "libcore/loop/safety.hpp"
 #include "tools/common/command_line.hpp"
 
 namespace hapgrid {

@@ -7,7 +7,7 @@
 
 #include "libcore/device/simulated.hpp"
 #include "libcore/device/wandering.hpp"
-#include "libcore/haptic/mapping.hpp"
+#include "libcore/loop/mapping.hpp"
 
 namespace hapgrid {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "libcore/base/file.hpp"
-#include "libcore/haptic/loop.hpp"
+#include "libcore/loop/loop.hpp"
 #include "libcore/model/fields.hpp"
 
 namespace hapgrid {

@@ -9,7 +9,7 @@
 #include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
-#include "libcore/haptic/pacer.hpp"
+#include "libcore/loop/pacer.hpp"
 #include "tools/common/signals.hpp"
 #include "tools/common/tool.hpp"
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <optional>
 
-#include "libcore/haptic/loop.hpp"
+#include "libcore/loop/loop.hpp"
 #include "libcore/model/fields.hpp"
 #include "libcore/scene/publisher.hpp"
 #include "tools/play/options.hpp"

@@ -1,5 +1,5 @@
 # Settings: keys of --set, and the table [play] of a TOML file, which may be the MODEL.toml; the command
-# line counts more. The mapping's own numbers are in tests/unit/haptic.
+# line counts more. The mapping's own numbers are in tests/unit/loop.
 source "$(dirname "$0")/../lib.sh"
 cp "$ball" model.toml
 cat >>model.toml <<'TOML'

@@ -5,10 +5,10 @@
 #include <cmath>
 
 #include "libcore/base/error.hpp"
-#include "libcore/haptic/paper_traversal.hpp"
+#include "libcore/follow/paper_traversal.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
-#include "tests/unit/haptic/random_grid.hpp"
+#include "tests/unit/follow/random_grid.hpp"
 
 using namespace hapgrid;
 using tiny::figure;

@@ -2,7 +2,7 @@
 
 #include "tests/unit/catch.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
-#include "tests/unit/haptic/random_grid.hpp"
+#include "tests/unit/follow/random_grid.hpp"
 
 using namespace hapgrid;
 

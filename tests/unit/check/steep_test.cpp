@@ -2,11 +2,11 @@
 
 #include <cmath>
 
+#include "libcore/follow/traversal.hpp"
 #include "libcore/grid/vec3.hpp"
-#include "libcore/haptic/traversal.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
-#include "tests/unit/haptic/random_grid.hpp"
+#include "tests/unit/follow/random_grid.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::testing;

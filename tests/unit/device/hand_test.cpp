@@ -13,7 +13,7 @@
 
 #include "libcore/grid/vec3.hpp"
 #include "tests/unit/catch.hpp"
-#include "tests/unit/haptic/count_allocations.hpp"
+#include "tests/unit/count_allocations.hpp"
 #include "tests/unit/refusal.hpp"
 #include "tests/unit/temporary.hpp"
 

@@ -13,7 +13,7 @@
 #include <string_view>
 
 #include "tests/unit/catch.hpp"
-#include "tests/unit/haptic/count_allocations.hpp"
+#include "tests/unit/count_allocations.hpp"
 
 using namespace hapgrid;
 

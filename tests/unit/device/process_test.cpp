@@ -8,7 +8,7 @@
 #include "libcore/base/error.hpp"
 #include "libcore/device/process_device.hpp"
 #include "tests/unit/catch.hpp"
-#include "tests/unit/haptic/count_allocations.hpp"
+#include "tests/unit/count_allocations.hpp"
 #include "tests/unit/refusal.hpp"
 #include "tests/unit/temporary.hpp"
 

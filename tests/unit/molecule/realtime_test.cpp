@@ -1,5 +1,5 @@
 #include "tests/unit/catch.hpp"
-#include "tests/unit/haptic/count_allocations.hpp"
+#include "tests/unit/count_allocations.hpp"
 #include "tests/unit/molecule/reference.hpp"
 
 using namespace molecules;

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "tests/unit/catch.hpp"
-#include "tests/unit/haptic/count_allocations.hpp"
+#include "tests/unit/count_allocations.hpp"
 #include "tests/unit/scene/scenes.hpp"
 #include "tests/unit/temporary.hpp"
 

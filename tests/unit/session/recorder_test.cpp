@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "tests/unit/catch.hpp"
-#include "tests/unit/haptic/count_allocations.hpp"
+#include "tests/unit/count_allocations.hpp"
 #include "tests/unit/session/ticks.hpp"
 #include "tests/unit/temporary.hpp"
 

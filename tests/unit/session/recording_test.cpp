@@ -7,7 +7,7 @@
 #include "libcore/device/replay.hpp"
 #include "libcore/session/writer.hpp"
 #include "tests/unit/catch.hpp"
-#include "tests/unit/haptic/count_allocations.hpp"
+#include "tests/unit/count_allocations.hpp"
 #include "tests/unit/refusal.hpp"
 #include "tests/unit/session/ticks.hpp"
 #include "tests/unit/temporary.hpp"

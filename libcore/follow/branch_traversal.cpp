@@ -1,0 +1,382 @@
+#include "libcore/follow/branch_traversal.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace hapgrid {
+
+namespace {
+
+// How much less the corners of another anchor must disagree, so that a HIP at rest between two of
+// them does not change it again and again; and what a corner counts at least (disagreement()).
+constexpr double kBetter = 0.05;
+constexpr double kLeastWeight = 0.02;
+// How often the state can snap at one place. Snaps that go in a circle must end.
+constexpr int kMostSnaps = 4;
+
+/// In spacings squared.
+double distance2(const Vec3& part, int corner) {
+  double sum = 0;
+  for (int a = 0; a < 3; ++a) {
+    const double d = part[a] - (corner >> a & 1);
+    sum += d * d;
+  }
+  return sum;
+}
+
+/// How much corners that are not of one branch contradict each other at the HIP: the sum, over such
+/// pairs, of the product of their weights in the blend.
+/// @param apart BranchNodes::apart()
+double disagreement(const std::array<std::uint8_t, 8>& apart,
+                    const std::array<double, 8>& weights) noexcept {
+  double sum = 0;
+  for (int a = 0; a < 8; ++a)
+    for (int b = a + 1; apart[a] != 0 && b < 8; ++b)
+      if (apart[a] >> b & 1) sum += (weights[a] + kLeastWeight) * (weights[b] + kLeastWeight);
+  return sum;
+}
+
+}  // namespace
+
+BranchMap::BranchMap(const Grid& grid) : nodes(grid), tear(tear_function(grid, nodes)) {}
+
+/// Which corners two neighbouring cells have in common. Corner k of the old cell is corner k ^
+/// moved of the new one.
+struct BranchTraversal::Common {
+  int moved = 0;  // bits of the axes of the move
+  int side = 0;   // and of those along which it goes up
+
+  bool has(int corner) const { return ((corner ^ side) & moved) == 0; }
+};
+
+BranchTraversal::BranchTraversal(const Grid& grid, std::shared_ptr<const BranchMap> map,
+                                 std::uint16_t most_parts)
+    : Traversal(grid, most_parts),
+      map_(std::move(map)),
+      offset_(row_.size(), grid.box().spacing),
+      missing_(row_.size()),
+      expected_(row_.size()) {
+  candidates_.reserve(kMostCandidates);
+  for (BesideAnswer& answer : kept_) answer.row.resize(row_.size());
+}
+
+const StepResult& BranchTraversal::start(const Vec3& hip, Level level) noexcept {
+  const std::optional<int> nearest = begin_start(hip);
+  if (!nearest) return step_;
+  const bool has_begun = take(*nearest, level, /*chosen=*/false);
+  if (has_begun) {
+    if (beside_) follow_model();
+    evaluate();
+  }
+  return end_start(has_begun);
+}
+
+const StepResult& BranchTraversal::step(const Vec3& hip, bool next) noexcept {
+  if (!has_started_) return start(hip, 0);
+  if (!begin_step(hip)) return step_;
+  while (const auto way = walk_.next()) {
+    if (way->q >= 0 && !cross(*way)) {
+      step_.blocked = true;
+      break;
+    }
+    offset_.fade(position(), way->to);
+    walk_.go(*way);
+    arrive();
+    // With a model beside the grid the decision waits for it, unless more cells follow.
+    if ((!beside_ || walk_.is_split()) && decide_by_grid()) note_snap();
+  }
+  if (!step_.blocked) {
+    if (next) {
+      const int corner = walk_.nearest_corner();
+      choose_next(corner, levels_[corner],
+                  [&](Level level) { return take(corner, level, /*chosen=*/true); });
+    }
+    if (beside_) follow_model();
+  }
+  evaluate();
+  return end_step();
+}
+
+/// The corner nearest to the HIP gets the level, and the others are of its branch. False when a
+/// link or the level is missing, or when the hand chose this level and its branch ends before
+/// position(): then nothing changes.
+bool BranchTraversal::take(int nearest, Level level, bool chosen) noexcept {
+  const PointIndex p = walk_.cells().point(walk_.base(), nearest);
+  Branch branch;
+  if (level >= grid_.levels(p) || !derive(walk_.base(), grid_.first(p) + level, nearest, branch))
+    return false;
+  if (chosen && has_ended(branch, corner_weights(part()))) return false;
+  enter_branch(walk_.base(), branch);
+  offset_.end();
+  arrive();
+  if (!beside_) decide_by_grid();  // of which nobody is told: the state jumps here in any case
+  return true;
+}
+
+void BranchTraversal::arrive() noexcept {
+  part_ = part();
+  weights_ = corner_weights(part_);
+}
+
+bool BranchTraversal::derive(PointIndex base, RecordIndex anchor, int corner,
+                             Branch& branch) const noexcept {
+  branch.anchor = walk_.cells().distinct(corner);
+  branch.is_torn = false;
+  branch.is_mixed = map_->nodes.is_mixed(anchor, branch.anchor);
+  for (int k = 0; k < 8; ++k) {
+    const int q = kBetweenCorners[branch.anchor][walk_.cells().distinct(k)];
+    branch.nodes[k] = q < 0 ? anchor : map_->nodes.node(anchor, q, walk_.cells(), base, k);
+    if (branch.nodes[k] == BranchNodes::kNoNode) return false;
+    branch.is_torn |= map_->nodes.is_ghost(branch.nodes[k]);
+  }
+  if (!branch.is_mixed) return true;
+  std::array<Node, 8> corners = branch.nodes;
+  for (int k = 0; k < 8; ++k)
+    if (!walk_.cells().is_corner(k)) corners[k] = BranchNodes::kNoNode;
+  branch.apart = map_->nodes.apart(corners);
+  return true;
+}
+
+/// @param base of the cell whose corners they are
+void BranchTraversal::enter_branch(PointIndex base, const Branch& branch) noexcept {
+  anchor_ = branch.anchor;
+  nodes_ = branch.nodes;
+  is_torn_ = branch.is_torn;
+  is_mixed_ = branch.is_mixed;
+  apart_ = branch.apart;
+  for (int k = 0; k < 8; ++k) {
+    rows_[k] = map_->nodes.row(nodes_[k]);
+    __builtin_prefetch(rows_[k]);
+    __builtin_prefetch(rows_[k] + row_.size() - 1);
+    if (map_->nodes.is_ghost(nodes_[k])) {
+      records_[k] = Grid::kNoRecord;
+      levels_[k] = kNoLevel;
+    } else {
+      records_[k] = nodes_[k];
+      levels_[k] = static_cast<Level>(nodes_[k] - grid_.first(walk_.cells().point(base, k)));
+      const Level* const links = grid_.links(nodes_[k]).data();
+      __builtin_prefetch(links);
+      __builtin_prefetch(links + kDirections - 1);
+    }
+    if (is_torn_) tear_[k] = map_->tear[nodes_[k]];
+  }
+}
+
+/// Changes to the branch's corners in the next cell. False when a link is missing: then nothing
+/// changes.
+bool BranchTraversal::cross(const CellWalk::Part& way) noexcept {
+  // The corners that both cells have. Along an axis of the move they are on the one side of the old
+  // cell and on the other side of the new one.
+  const auto d = Direction(way.q).step();
+  Common common;
+  for (int a = 0; a < 3; ++a) {
+    common.moved |= (d[a] != 0) << a;
+    common.side |= (d[a] > 0) << a;
+  }
+  // Around most records there is one branch: then any common corner will do, and nothing changes in
+  // the others.
+  const int beside = (anchor_ & ~common.moved) | (common.side & common.moved);
+  if (!is_torn_ && !is_mixed_ && map_->nodes.has_one_branch_around(nodes_[beside])) {
+    if (!cross_within_branch(way.base, beside, common)) return false;
+    count_switch(way);
+    return true;
+  }
+  // On the common face, edge or vertex.
+  const Vec3 part = walk_.part_of_cell(walk_.nearest_in_cell(way.to));
+  const int from = common_record(common, part);
+  Branch next;
+  if (from < 0 ? !cross_by_snap(way.base, beside, common)
+               : !derive(way.base, nodes_[from], from ^ common.moved, next))
+    return false;
+  count_switch(way);
+  if (from < 0) {
+    note_snap();
+    return true;
+  }
+  if (next.is_mixed) {
+    std::array<Node, 8> kept;
+    for (int k = 0; k < 8; ++k)
+      kept[k] = common.has(k ^ common.moved) ? nodes_[k ^ common.moved] : BranchNodes::kNoNode;
+    // On the common face, edge or vertex, as seen from the new cell.
+    Vec3 at = part;
+    for (int a = 0; a < 3; ++a)
+      if (d[a] != 0) at[a] = d[a] > 0 ? 0 : 1;
+    find_better(way.base, corner_weights(at), kept, next);
+  }
+  const std::array<const double*, 8> before = rows_;
+  std::array<const double*, 8> after = before;
+  enter_branch(way.base, next);
+  for (int k = 0; k < 8; ++k)
+    if (common.has(k)) after[k] = rows_[k ^ common.moved];
+  if (after != before) keep_state(before, corner_weights(part), after);
+  return true;
+}
+
+/// Into a cell of one branch from another one: the common corners stay.
+bool BranchTraversal::cross_within_branch(PointIndex base, int from,
+                                          const Common& common) noexcept {
+  const RecordIndex anchor = nodes_[from];
+  const int at = from ^ common.moved;
+  Branch next{.anchor = at, .nodes = nodes_};
+  for (int k = 0; k < 8; ++k) {
+    const int corner = walk_.cells().distinct(k);
+    if (common.has(corner ^ common.moved)) {
+      next.nodes[k] = nodes_[corner ^ common.moved];
+      continue;
+    }
+    next.nodes[k] = walk_.cells().destination(anchor, kBetweenCorners[at][corner], base, corner);
+    if (next.nodes[k] == Grid::kNoRecord) return false;
+  }
+  enter_branch(base, next);
+  return true;
+}
+
+/// Where the branch does not reach into the new cell: to where the anchor's link leads.
+/// @param to the corner of the old cell, common to both, to which it leads
+bool BranchTraversal::cross_by_snap(PointIndex base, int to, const Common& common) noexcept {
+  const RecordIndex anchor =
+      walk_.cells().destination(nodes_[anchor_], kBetweenCorners[anchor_][to], walk_.base(), to);
+  Branch next;
+  if (anchor == Grid::kNoRecord || !derive(base, anchor, to ^ common.moved, next)) return false;
+  enter_branch(base, next);
+  offset_.end();
+  return true;
+}
+
+/// The anchor, if the cells have it in common, else the common record that is nearest to the HIP;
+/// -1 where they have none in common.
+int BranchTraversal::common_record(const Common& common, const Vec3& part) const noexcept {
+  if (common.has(anchor_)) return anchor_;
+  double nearest = std::numeric_limits<double>::infinity();
+  int from = -1;
+  for (int k = 0; k < 8; ++k) {
+    if (!common.has(k) || map_->nodes.is_ghost(nodes_[k]) || distance2(part, k) >= nearest)
+      continue;
+    nearest = distance2(part, k);
+    from = k;
+  }
+  return from < 0 ? from : walk_.cells().distinct(from);
+}
+
+/// Where corners change without a snap: what the blend loses goes to the offset.
+void BranchTraversal::keep_state(const std::array<const double*, 8>& before,
+                                 const std::array<double, 8>& weights,
+                                 const std::array<const double*, 8>& after) noexcept {
+  const std::span<double> offset = offset_.renew();
+  for (int k = 0; k < 8; ++k) {
+    if (before[k] == after[k] || weights[k] == 0) continue;
+    for (std::size_t c = 0; c < offset.size(); ++c)
+      offset[c] +=
+          weights[k] * (nearest(grid_.spec().equality, c, before[k][c], after[k][c]) - after[k][c]);
+  }
+}
+
+/// @returns whether the state snapped
+bool BranchTraversal::decide_by_grid() noexcept {
+  if (is_mixed_) change_anchor();
+  int snaps = 0;
+  while (snaps < kMostSnaps && is_torn_ && tear(weights_) < 0 && snap(part_)) ++snaps;
+  if (snaps > 0) offset_.end();
+  return snaps > 0;
+}
+
+/// Whether the branch ends before the place with these weights.
+bool BranchTraversal::has_ended(const Branch& branch,
+                                const std::array<double, 8>& weights) const noexcept {
+  double tear = 0;
+  for (int k = 0; branch.is_torn && k < 8; ++k) tear += weights[k] * map_->tear[branch.nodes[k]];
+  return tear < 0;
+}
+
+/// The tear function of the branch; negative where the branch has ended. The branch is torn.
+double BranchTraversal::tear(const std::array<double, 8>& weights) const noexcept {
+  double tear = 0;
+  for (int k = 0; k < 8; ++k) tear += weights[k] * tear_[k];
+  return tear;
+}
+
+/// In a mixed cell the records differ in what the other corners are. Of the records of a branch,
+/// the one becomes the anchor whose corners disagree least where the HIP is.
+/// @param kept corners that should stay; kNoNode where any will do
+/// @returns whether another anchor was found, whose corners disagree less by kBetter at least
+bool BranchTraversal::find_better(PointIndex base, const std::array<double, 8>& weights,
+                                  const std::array<Node, 8>& kept, Branch& branch) const noexcept {
+  const auto cost = [&](const Branch& b) {
+    double sum = disagreement(b.apart, weights);
+    // To keep corners comes first: a sum of products of weights is small against 8.
+    for (int k = 0; k < 8; ++k)
+      if (kept[k] != BranchNodes::kNoNode && b.nodes[k] != kept[k]) sum += 8;
+    return sum;
+  };
+  const std::array<Node, 8> candidates = branch.nodes;
+  const int present = branch.anchor;
+  double least = cost(branch) - kBetter;
+  bool found = false;
+  for (int k = 0; k < 8 && least > 0; ++k) {
+    if (k == present || !walk_.cells().is_corner(k) || map_->nodes.is_ghost(candidates[k]))
+      continue;
+    Branch other;
+    if (!derive(base, candidates[k], k, other) || !(cost(other) < least)) continue;
+    // Ghosts agree with every branch, so one that has ended there would seem the best.
+    if (has_ended(other, weights)) continue;
+    least = cost(other);
+    branch = other;
+    found = true;
+  }
+  return found;
+}
+
+void BranchTraversal::change_anchor() noexcept {
+  if (disagreement(apart_, weights_) <= kBetter) return;
+  Branch next{anchor_, nodes_, is_torn_, is_mixed_, apart_};
+  constexpr std::array<Node, 8> kAny = [] {
+    std::array<Node, 8> any{};
+    any.fill(BranchNodes::kNoNode);
+    return any;
+  }();
+  if (!find_better(walk_.base(), weights_, kAny, next)) return;
+  const std::array<const double*, 8> before = rows_;
+  enter_branch(walk_.base(), next);
+  keep_state(before, weights_, rows_);
+}
+
+/// Goes to where the links lead at the tear that is nearest to the HIP. False when there is none.
+bool BranchTraversal::snap(const Vec3& part) noexcept {
+  double nearest = std::numeric_limits<double>::infinity();
+  int to = -1;
+  RecordIndex anchor = Grid::kNoRecord;
+  for (int k = 0; k < 8; ++k) {
+    if (map_->nodes.is_ghost(nodes_[k]) || !walk_.cells().is_corner(k)) continue;
+    for (int j = 0; j < 8; ++j) {
+      if (!map_->nodes.is_ghost(nodes_[j]) || !walk_.cells().is_corner(j)) continue;
+      const int q = kBetweenCorners[k][j];
+      if (map_->nodes.node(nodes_[k], q, walk_.cells(), walk_.base(), j) != nodes_[j]) continue;
+      const double t = tear_fraction(grid_, nodes_[k], q);
+      double sum = 0;
+      for (int a = 0; a < 3; ++a) {
+        const int at = k >> a & 1;
+        const double d = part[a] - (at + t * ((j >> a & 1) - at));
+        sum += d * d;
+      }
+      if (sum >= nearest) continue;
+      nearest = sum;
+      to = j;
+      anchor = walk_.cells().destination(nodes_[k], q, walk_.base(), j);
+    }
+  }
+  Branch next;
+  if (to < 0 || !derive(walk_.base(), anchor, to, next)) return false;
+  enter_branch(walk_.base(), next);
+  return true;
+}
+
+void BranchTraversal::evaluate() noexcept {
+  blend(weights_, rows_, row_);
+  offset_.add_to(row_);
+  blend_angles(grid_.spec().equality, weights_, rows_, row_);
+  orthonormalise_rotations(grid_.spec().equality, row_);
+}
+
+}  // namespace hapgrid

@@ -1,0 +1,122 @@
+// What becomes of a contact that a hand holds: it keeps its force, and no more comes back than was
+// stated.
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "libcore/device/simulated.hpp"
+#include "libcore/grid/vec3.hpp"
+#include "libcore/loop/energy_tank.hpp"
+#include "tests/unit/catch.hpp"
+#include "tests/unit/loop/limits.hpp"
+#include "tests/unit/loop/numbers.hpp"
+
+using namespace hapgrid;
+using namespace hapgrid::testing;
+
+TEST_CASE("a contact that a trembling hand holds keeps its force where its energy is known") {
+  // 1,000 N/m, held at 2 N for a minute, and trembled out of and into.
+  constexpr double kWall = 1000, kDt = 0.001;
+  for (const double middle : {-0.002, -1e-4}) {
+    SafetyCore safety(only_tank());
+    std::uint32_t acted = 0;
+    for (int i = 0; i < 60000; ++i) {
+      const double x = middle + 3e-4 * std::sin(2 * M_PI * 10 * i * kDt), deep = std::min(x, 0.0);
+      const double energy = kWall / 2 * deep * deep;
+      const SafeForce safe = safety.apply({.force = {-kWall * deep, 0, 0},
+                                           .dt = kDt,
+                                           .place = Vec3{x, 0, 0},
+                                           .model_energy = energy,
+                                           .account = energy});
+      if (i < 200) continue;  // at the start the hand's speed is not known
+      acted |= safe.acted;
+      // Late by a tick, against the motion.
+      REQUIRE(safe.force[0] == Approx(-kWall * deep).margin(kWall * 3e-4 * 2 * M_PI * 10 * kDt));
+    }
+    CHECK((acted & kEnergy) == 0);
+    CHECK(safety.tank_energy() < kWall / 2 * std::pow(middle - 3e-4, 2) + 5e-5);
+  }
+}
+
+TEST_CASE("a contact that lacks energy is full within seconds, for what was stated") {
+  constexpr double kWall = 1000, kDt = 0.001;
+  SafetyCore safety(only_tank());
+  double given = 0, worst = 0;
+  Vec3 sent = kZero;
+  double before = -0.001;
+  for (int i = 0; i < 5000; ++i) {
+    const double x = -0.001 + 3e-4 * std::sin(2 * M_PI * 10 * i * kDt);
+    given += sent[0] * (x - before);
+    worst = std::max(worst, given);
+    before = x;
+    const double energy = kWall / 2 * x * x;
+    // The hand did not put it in: no ramp grants it.
+    const SafeForce safe = safety.apply({.force = {-kWall * x, 0, 0},
+                                         .dt = kDt,
+                                         .place = Vec3{x, 0, 0},
+                                         .model_energy = energy,
+                                         .account = energy});
+    sent = safe.force;
+    if (i >= 2000) REQUIRE((safe.acted & kEnergy) == 0);
+  }
+  CHECK(worst <= kTankSlack + 5e-4 + 5 * kRefill);
+}
+
+TEST_CASE("in a contact the full force is there a second after the start and after a fault") {
+  // A wall of 300 N/m, and a hand of as much whose point is 5 mm inside: 0.75 N. It waits there, or
+  // comes there from outside while the ramp rises.
+  constexpr double kWall = 300;
+  const double outside = GENERATE(0.0, 0.007);
+  SimulatedDevice device({}, [&](std::uint64_t, std::vector<Vec3>& targets) {
+    for (int i = 0; i < 4000; ++i)
+      targets.push_back({-0.005 + outside * std::max(0.0, 1 - i / 200.0), 0, 0});
+  });
+  SafetyCore safety;
+  DeviceInput input;
+  Vec3 before = kZero;
+  for (int i = 0; i < 4000; ++i) {
+    REQUIRE(device.read(input) == DeviceStatus::kOk);
+    const double depth = std::max(0.0, -input.position[0]);
+    const Vec3 wall{kWall * depth, 0, 0};
+    const bool silent = i >= 2000 && i < 2050;
+    const SafeForce safe = safety.apply({.force = wall,
+                                         .place = input.position,
+                                         .model_energy = kWall / 2 * depth * depth,
+                                         .account = kWall / 2 * depth * depth,
+                                         .stalled = silent});
+    if (i % 2000 >= 1050) {
+      REQUIRE((safe.acted & kEnergy) == 0);
+      REQUIRE(wall[0] == Approx(0.75).epsilon(0.02));
+    }
+    // A ramp of 500 ms, and a hand of 0.1 m/s at most into 300 N/m.
+    if (!silent) REQUIRE(length_of(safe.force - before) < 1.5 / 500 + 2 * 300 * 0.1e-3);
+    before = safe.force;
+    static_cast<void>(device.send(safe.force));
+  }
+}
+
+TEST_CASE("a hand that the ramp pushes out of a contact has its full force when the ramp ends") {
+  // A wall of 900 N/m, and a hand of 60 N/m whose point is 5 mm inside. It begins there, where the
+  // wall holds 11 mJ, and is pushed out to where it holds 0.04 mJ: what late forces are charged on
+  // this way is more than that.
+  constexpr double kWall = 900, kHand = 60, kEncoder = 5.5e-5;
+  SimulatedDevice device({.stiffness = kHand, .encoder = kEncoder},
+                         [](std::uint64_t, std::vector<Vec3>& targets) {
+                           targets.assign(2000, {-0.005, 0, 0});
+                         });
+  SafetyCore safety;
+  DeviceInput input;
+  for (int i = 0; i < 2000; ++i) {
+    REQUIRE(device.read(input) == DeviceStatus::kOk);
+    const double depth = std::max(0.0, -input.position[0]);
+    const Vec3 wall{kWall * depth, 0, 0};
+    const SafeForce safe = safety.apply({.force = wall,
+                                         .place = input.position,
+                                         .model_energy = kWall / 2 * depth * depth,
+                                         .account = kWall / 2 * depth * depth});
+    if (i >= 550) REQUIRE((safe.acted & kEnergy) == 0);
+    if (i >= 1000)  // The hand has come to rest, to a step of its encoder.
+      REQUIRE(wall[0] == Approx(kHand * kWall / (kHand + kWall) * 0.005).margin(kWall * kEncoder));
+    static_cast<void>(device.send(safe.force));
+  }
+}
