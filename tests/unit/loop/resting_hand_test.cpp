@@ -62,6 +62,26 @@ TEST_CASE("a contact that lacks energy is full within seconds, for what was stat
   CHECK(worst <= kTankSlack + 5e-4 + 5 * kRefill);
 }
 
+TEST_CASE("a hand that circles gets nothing of what a model claims to hold") {
+  // 5 mm around a place at 20 mm/s; 0.5 N push it along, which would give it 10 mW.
+  SafetyCore safety(only_tank());
+  double given = 0;
+  Vec3 before{0.005, 0, 0}, sent = kZero;
+  for (int i = 0; i < 5000; ++i) {
+    const double turned = 4 * i * 0.001;
+    const Vec3 x{0.005 * std::cos(turned), 0.005 * std::sin(turned), 0};
+    given += dot(sent, x - before);
+    before = x;
+    sent = safety
+               .apply({.force = {-0.5 * std::sin(turned), 0.5 * std::cos(turned), 0},
+                       .place = x,
+                       .model_energy = i == 0 ? std::nullopt : std::optional(1.0)})
+               .force;
+  }
+  // In the first tenth of a second nobody knows that it does not hold.
+  CHECK(given <= kTankSlack + 5e-4 + 0.1 * kRefill);
+}
+
 TEST_CASE("in a contact the full force is there a second after the start and after a fault") {
   // A wall of 300 N/m, and a hand of as much whose point is 5 mm inside: 0.75 N. It waits there, or
   // comes there from outside while the ramp rises.
