@@ -195,6 +195,8 @@ Check check_stable(const Grid& grid, std::span<const RecordIndex> records,
       {}};
   std::atomic<std::uint64_t> records_done{0};
   check.found = for_each_record(grid, records, make_model, threads, records_done, push);
+  check.is_note = check.found.offenders > 0 && static_cast<double>(check.found.offenders) <=
+                                                   kFew * static_cast<double>(check.found.counted);
   return check;
 }
 

@@ -36,8 +36,12 @@ inline constexpr double kPush = 10;
 std::string falls_away(Model& model, const GridSpec& spec, std::span<const double> s,
                        const Vec3& x);
 
-/// `stable`: pushes the states of `records`, as falls_away() does. The arguments are those of
-/// check_fidelity().
+/// Up to this part of the states, a model may balance: where a probe stands on the axis of a linear
+/// molecule, say, rounding does not push it off. A hand leaves such a place at once.
+inline constexpr double kFew = 0.01;
+
+/// `stable`: pushes the states of `records`, as falls_away() does. A note where they are few. The
+/// arguments are those of check_fidelity().
 Check check_stable(const Grid& grid, std::span<const RecordIndex> records,
                    const MakeModel& make_model, int threads);
 

@@ -2,8 +2,21 @@
 
 import ctypes
 import importlib.util
+import os
 import shutil
 import sys
+
+
+def _loads(library):
+    """In a process of its own: here it would read its settings, such as the number of threads, before they are made."""
+    child = os.fork()
+    if child == 0:
+        try:
+            ctypes.CDLL(library)
+            os._exit(0)
+        except OSError:
+            os._exit(1)
+    return os.waitpid(child, 0)[1] == 0
 
 
 def look_for(command, arguments, modules, libraries=()):
@@ -14,11 +27,7 @@ def look_for(command, arguments, modules, libraries=()):
     draws = not any(word.split("=")[0] == "--until" for word in arguments)
     packages = {name: f"python3-{name}" for name in (*modules, *(["matplotlib"] if draws else []))}
     missing = {name: package for name, package in packages.items() if importlib.util.find_spec(name) is None}
-    for file, package in libraries:
-        try:
-            ctypes.CDLL(file)
-        except OSError:
-            missing[file] = package
+    missing |= {file: package for file, package in libraries if not _loads(file)}
     if shutil.which("setpriv") is None:
         missing["setpriv"] = "util-linux"
     if missing:

@@ -9,8 +9,10 @@ METHOD=(--gfnff)
 cp "$here/cyclohexane.xyz" .
 hapgrid molecule cyclohexane.xyz --basins --method gfnff -o ring --until structures --quiet >line 2>&1 || fail "$(cat line)"
 turning_points ring/to-2.xyz ring/conformation.xyz
-same "minima and saddles" 01010 "$seen"
-same "rows" 'path saddle minimum saddle minimum' "$(grep ^to-2 ring/report.tsv | cut -f 2 | sed 's/ on the path//' | xargs)"
+# Between two twist-boats it may go over the boat, a third barrier: both ways are lowest, and the processor decides.
+[[ $seen == 01010 || $seen == 0101010 ]] || fail "minima and saddles: $seen"
+rows=$(grep ^to-2 ring/report.tsv | cut -f 2 | sed 's/ on the path//' | xargs)
+[[ $rows =~ ^path( saddle minimum){2,3}$ ]] || fail "rows: $rows"
 [[ $(word ring/to-2.xyz 1 dE) == 0.0000 ]] || fail "the path does not begin in the conformation"
 
 # The ring of proline flips: two puckers of one conformation, whose ring has the opposite sign at the end of the path.

@@ -132,7 +132,7 @@ if command -v strace >/dev/null; then
   for error in ENOLCK ENOSYS; do
     rm -r my.rounds my.grid
     strace -f -qq -o /dev/null -e inject=flock:error=$error hapgrid rounds my.toml --parts 2 >out 2>err || fail "$(cat err)"
-    same "what is said" 'rounds: my.rounds: there are no locks here: see that no second driver is at work' "$(cat err)"
+    same "what is said" 'rounds: my.rounds: there are no locks here: see that no second driver is at work' "$(grep -v 'my.rounds/cost cannot be locked' err)"
     cmp my.grid reference
   done
 else

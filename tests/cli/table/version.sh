@@ -17,7 +17,7 @@ computed() {
   HAPGRID_BIN=$PWD/copy/filters /usr/bin/python3 - "$1" <<'END' | xargs
 import importlib, os, sys
 sys.path[:0] = [os.path.abspath(f"copy/{name}") for name in ("molecule", "table", "docking")]
-importlib.import_module(sys.argv[1] + ".cli")
+importlib.import_module(sys.argv[1] + (".steps" if sys.argv[1] == "hapgrid_molecule" else ".course"))
 from hapgrid_command.work import Work
 
 
