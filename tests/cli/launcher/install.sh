@@ -49,9 +49,8 @@ expect 0 'hapgrid 0.1.0' '' -- "$hapgrid" -V
 
 # The manual pages are there; help.sh looks into them.
 man=$moved${prefix#root}/share/man/man1
-pages=$(ls "$man" | tr '\n' ' ')
-pages=${pages/hapgrid-table.1 /} pages=${pages/hapgrid-dock.1 /}
-[[ ${pages/hapgrid-molecule.1 /} == 'hapgrid-check-model.1 hapgrid-expand.1 hapgrid-feel.1 hapgrid-init.1 hapgrid-merge.1 hapgrid-play.1 hapgrid-plot.1 hapgrid-seed.1 hapgrid-stats.1 hapgrid-verify.1 hapgrid-view.1 hapgrid.1 ' ]]
+names=$(printf 'hapgrid-%s.1 ' check-model dock expand feel init merge molecule play plot rounds seed stats table verify view)
+same 'the manual pages' "${names}hapgrid.1 " "$(ls "$man" | tr '\n' ' ')"
 same 'the public headers' 'device.h plugin.h plugin.hpp ' "$(ls "$moved${prefix#root}/include/hapgrid" | tr '\n' ' ')"
 # What the author of a plug-in or an adapter includes compiles, from the build folder and from the installation.
 for include in "$HAPGRID_BUILD/include" "$moved${prefix#root}/include"; do

@@ -20,12 +20,12 @@ for number in ("nan", "inf", "-inf"):
         return named(g, row)
 
 
-@fault("a state of the other sign", "fidelity", "stable")
+@fault("a state of the other sign", "fidelity")
 def _(g):
     g.at(MIDDLE)["state"][0] *= -1
 
 
-@fault("a state that was lost: 0", "fidelity", "stable")
+@fault("a state that was lost: 0", "fidelity")
 def _(g):
     g.at(MIDDLE)["state"] = [0.0]
 

@@ -70,12 +70,12 @@ def _(g):
     return named(g, another_level(g))
 
 
-@fault("a level too many, that nothing leads to", "reachable", "fidelity", "stable")
+@fault("a level too many, that nothing leads to", "reachable", "fidelity")
 def _(g):
     return named(g, another_level(g, state=[0.7]))
 
 
-@fault("a level too many, that says it is a seed", "generations", "fidelity", "stable")
+@fault("a level too many, that says it is a seed", "generations", "fidelity")
 def _(g):
     another_level(g, state=[0.7], generation=0)
 
