@@ -19,17 +19,16 @@ def _loads(library):
     return os.waitpid(child, 0)[1] == 0
 
 
-def look_for(command, arguments, modules, libraries=()):
+def look_for(command, arguments, modules, libraries=(), programs=()):
     """Ends the command with one line that names what is missing, and Debian's packages. modules: of Python, besides those
-    that draw, which a run with --until does without; libraries: (file, package)."""
+    that draw, which a run with --until does without; libraries, programs: (file, package)."""
     if {"-h", "--help"} & set(arguments):
         return
     draws = not any(word.split("=")[0] == "--until" for word in arguments)
     packages = {name: f"python3-{name}" for name in (*modules, *(["matplotlib"] if draws else []))}
     missing = {name: package for name, package in packages.items() if importlib.util.find_spec(name) is None}
     missing |= {file: package for file, package in libraries if not _loads(file)}
-    if shutil.which("setpriv") is None:
-        missing["setpriv"] = "util-linux"
+    missing |= {file: package for file, package in (*programs, ("setpriv", "util-linux")) if shutil.which(file) is None}
     if missing:
         several = len(missing) > 1
         sys.exit(f"{command}: {', '.join(missing)} {'are' if several else 'is'} missing: install the Debian "

@@ -163,3 +163,6 @@ hapgrid dock "$host" poses.pdbqt -o poses --centre -0.1,0,3 --size 0.5,0.5,0.5 -
   --until definition 2>said
 grep -q 'poses.pdbqt has several molecules or poses: the first is taken' said || fail "$(cat said)"
 cmp small/ligand.pdbqt poses/ligand.pdbqt
+# AutoGrid's maps are not made by --atoms.
+expect 2 '' 'dock: argument --map-spacing: not allowed with argument --atoms (see --help)' -- \
+  hapgrid dock a b -o c --atoms --map-spacing 0.2
