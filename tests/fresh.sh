@@ -150,10 +150,11 @@ inside() {
       mount --bind "/dev/$device" "$root/dev/$device"
     done
     mkdir "$root/dev/pts" "$root/dev/shm"
+    ln -s /proc/self/fd "$root/dev/fd"
+    for stream in 0:stdin 1:stdout 2:stderr; do ln -s "/proc/self/fd/${stream%:*}" "$root/dev/${stream#*:}"; done
     mount -t devpts -o newinstance,ptmxmode=0666 devpts "$root/dev/pts"
     mount -t tmpfs shm "$root/dev/shm"
     ln -s pts/ptmx "$root/dev/ptmx"
-    ln -s /proc/self/fd "$root/dev/fd"
     mount -t proc proc "$root/proc"
     mount -t sysfs -o ro sys "$root/sys"
     exec chroot "$root" env -i ${CI:+CI="$CI" HAPGRID_WERROR=ON} HOME=/root PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin "${@:2}"' \

@@ -14,7 +14,7 @@ void keep_inputs(const std::vector<Output>& outputs, const std::vector<Input>& i
     // What is written to a pipe or a device replaces nothing, either.
     if (output == "-" || std::filesystem::is_other(output, ignored)) continue;
     for (const auto& [input, what] : inputs)
-      if (same_file(output, input == "-" ? "/dev/stdin" : input))
+      if (same_file(output, input == "-" ? "/proc/self/fd/0" : input))
         throw UsageError(format("{}: would replace the {}", option, what));
   }
 }
