@@ -1,10 +1,28 @@
 #include "tools/view/server.hpp"
 
+#include <arpa/inet.h>
+#include <sys/socket.h>
+
 #include "libcore/base/error.hpp"
+#include "libcore/base/file.hpp"
 #include "libcore/base/format.hpp"
 #include "tools/common/tool.hpp"
 
 namespace hapgrid {
+
+namespace {
+
+/// False for an address that this machine has not: newer versions of libwebsockets wait until it
+/// has.
+bool can_be_ours(const std::string& address) {
+  sockaddr_in place{};
+  place.sin_family = AF_INET;
+  if (::inet_pton(AF_INET, address.c_str(), &place.sin_addr) != 1) return true;  // a name
+  const FileDescriptor socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  return socket && ::bind(socket.get(), reinterpret_cast<sockaddr*>(&place), sizeof place) == 0;
+}
+
+}  // namespace
 
 Server::Server(const std::string& address, int port, const lws_protocols* protocols,
                std::uint64_t lws_options) {
@@ -19,7 +37,7 @@ Server::Server(const std::string& address, int port, const lws_protocols* protoc
   info.user = this;
   info.options =
       lws_options | LWS_SERVER_OPTION_DISABLE_IPV6 | LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND;
-  context_ = ::lws_create_context(&info);
+  if (can_be_ours(address)) context_ = ::lws_create_context(&info);
   if (!context_)
     throw Error(format("cannot listen on port {} of {}: is another program there?", port, address));
 }
