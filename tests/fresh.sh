@@ -29,7 +29,6 @@ type_in() {
   echo "$lines"
   eval "$lines"
 }
-sudo() { "$@"; }
 
 # felt COMMAND...: starts hapgrid feel, fetches its page, and is a browser that takes the hand and goes.
 felt() {
