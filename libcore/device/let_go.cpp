@@ -64,7 +64,7 @@ bool ends_until(Family& family, Clock::time_point deadline) noexcept {
 
 }  // namespace
 
-ProcessGroup::ProcessGroup(int wire, pid_t leader)
+AdapterGroup::AdapterGroup(int wire, pid_t leader)
     : wire_(wire),
       leader_(leader),
       session_(::getsid(leader)),
@@ -78,13 +78,13 @@ bool send_zero(int wire) noexcept {
   return ::send(wire, &zero, sizeof zero, MSG_NOSIGNAL | MSG_DONTWAIT) == sizeof zero;
 }
 
-bool ProcessGroup::has_ended() noexcept {
+bool AdapterGroup::has_ended() noexcept {
   pollfd ready[] = {{wire_, 0, 0}, {process_.get(), POLLIN, 0}};  // a negative one is passed over
   ::poll(ready, 2, 0);
   return ready[0].revents != 0 && (!process_ || ready[1].revents != 0);
 }
 
-void ProcessGroup::tell(int signal) noexcept {
+void AdapterGroup::tell(int signal) noexcept {
   const pid_t session = ::getsid(leader_);  // another one's: the number was given to a new process
   if (session < 0 || session == session_) ::kill(-leader_, signal);
   if (process_ && ::getpgid(leader_) != leader_)  // it has left its group

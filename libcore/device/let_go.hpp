@@ -52,10 +52,10 @@ class Family {
 
 /// The family as far as a process that is not its parent knows it: the adapter's process group, and
 /// whoever holds the other end of the socket.
-class ProcessGroup : public Family {
+class AdapterGroup : public Family {
  public:
   /// @param wire play's end of the socket. @param leader of the group. @throw std::system_error
-  ProcessGroup(int wire, pid_t leader);
+  AdapterGroup(int wire, pid_t leader);
   bool has_ended() noexcept override;
   void tell(int signal) noexcept override;
   pid_t leader() const { return leader_; }

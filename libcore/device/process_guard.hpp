@@ -63,7 +63,7 @@ class ProcessGuard {
 
   AdapterProgram program_;
   FileDescriptor wire_, socket_;
-  std::optional<ProcessGroup> group_;
+  std::optional<AdapterGroup> group_;
   pid_t guard_ = -1;  // -1: it was waited for
   bool releases_ = false;
   bool ended_ = false, confirmed_ = false, released_ = false;
