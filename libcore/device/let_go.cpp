@@ -141,6 +141,7 @@ bool release(const std::vector<std::string>& command) noexcept {
 
 std::vector<char*> argument_list(std::vector<std::string>& words) {
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   return arguments;
