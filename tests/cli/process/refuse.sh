@@ -35,7 +35,7 @@ refuses "play: .*model puppet.*force.*" -- play grid --device path:path
 
 # More processes than the system allows. Each thread has one, and each process three pipes.
 few="; have fewer \(-j\), or raise the limit \(ulimit"
-(
+sanitized || (  # a sanitizer wants descriptors of its own
   ulimit -n 32
   refuses "expand: conversion at .*: $who.*' cannot be started: Too many open files$few -n\)" -- \
     expand --complete seeds --allow-process good.toml -j 16
