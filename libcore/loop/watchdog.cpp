@@ -12,7 +12,7 @@ namespace hapgrid {
 std::jthread start_watchdog(const std::atomic<std::uint64_t>& heartbeat,
                             std::chrono::milliseconds patience, std::function<void()> hung) {
   const BlockedSignals blocked;
-  return std::jthread([&heartbeat, patience, hung = std::move(hung)](std::stop_token token) {
+  return std::jthread([&heartbeat, patience, hung = std::move(hung)](const std::stop_token& token) {
     using Clock = std::chrono::steady_clock;
     std::mutex mutex;
     std::condition_variable_any wake;
