@@ -211,13 +211,12 @@ int main(int argc, char** argv) {
       "Checks the molecule of a MODEL.toml: its paths, the nearest atoms on each path and where "
       "some "
       "paths are combined, and the box."};
-  app.set_help(
-      "molecule-check",
-      "A molecule is not sane when two atoms, at least three bonds apart, come nearer than 0.55 of "
-      "the sum of their radii on a path, or 0.4 where paths are combined; when the morph misses a "
-      "node by more than 1e-6 Å RMS; or when the probe touches the conformation in a corner of the "
-      "box.\n",
-      "  3  read everything, and something is not sane\n");
+  app.set_help("molecule-check",
+               "A molecule is not sane when two atoms, at least three bonds apart, come nearer\n"
+               "than 0.55 of the sum of their radii on a path, or 0.4 where paths are combined;\n"
+               "when the morph misses a node by more than 1e-6 Å RMS; or when the probe touches\n"
+               "the conformation in a corner of the box.\n",
+               "  3  read everything, and something is not sane\n");
   add_definition(app, options.definition);
   app.add("--format", options.format, "How the report is written")
       .one_of({"text", "json"})
