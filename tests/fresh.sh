@@ -11,6 +11,7 @@
 #   package     the Debian package is made; in a second root, which has no more than this one had, it is installed and works
 #   check       the tests
 #   molecule    from a molecule to a grid, which is felt
+#   rest        only where it is asked for: the tests that check-all has beyond check, and those that lacked a package there
 #
 # A table comes at the end: seconds, megabytes downloaded and installed from Debian's packages. The output of a step
 # that fails is shown, and the others are done all the same.
@@ -79,6 +80,14 @@ do_check() {
   sed -nE 's|^[0-9]+/[0-9]+ Test: ||; t name; /^not installed:/!d; G; p; d; :name h; d' build/Testing/Temporary/LastTest.log |
     sed -E 'N; s/(.*)\n(.*)/\2: \1/' | tee /lacked
 }
+do_rest() {
+  .ci/packages plots check-all
+  cmake --preset check >/dev/null  # make build leaves the tests out
+  cmake --build build --target check-all benches
+  ctest --preset check-all -L 'extra|long' -j "$((2 * $(nproc)))"
+  [[ ! -s /lacked ]] || ctest --preset check-all -R "^($(cut -d: -f1 /lacked | sort -u | paste -sd '|'))\$"
+}
+
 packages() { dpkg-query -W -f '${Package}=${Version} ${Installed-Size}\n' | sort; }
 
 # row STEP: does it, and prints its row of the table.
