@@ -182,9 +182,10 @@ TEST_CASE("a model that never answers does not hold up the end") {
   const std::string name = directory.file("f");
   auto* const publisher = new FramePublisher(  // and stays, with the thread that is left behind
       OutputFile(name, false), kScene, 3,
-      [](Frame& frame) {
+      [asked = 0](Frame& frame) mutable {
         complete(frame);
-        while (frame.tick >= 100) std::this_thread::sleep_for(1h);
+        while (asked > 0) std::this_thread::sleep_for(1h);
+        ++asked;
       },
       true, 1000, stop);
   offer_for(*publisher, 300ms);
