@@ -3,7 +3,7 @@ equations.
 """
 import math
 
-from xtb_library import BOHR, HARTREE, Xtb
+from hapgrid.apps.xtb import BOHR, HARTREE, Xtb
 
 # Atomic number, van der Waals radius (Bondi) and covalent radius in angstrom, colour.
 ELEMENTS = {"H": (1, 1.20, 0.31, [1.0, 1.0, 1.0]), "C": (6, 1.70, 0.76, [0.35, 0.35, 0.35]),

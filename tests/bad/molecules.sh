@@ -1,8 +1,7 @@
 # Files of molecules that are none: what has no end, or is large, is refused before it is read.
 source "$(dirname "$0")/../cli/lib.sh"
-molecule=$HAPGRID_SOURCE/examples/molecule
-"$molecule/hapgrid-molecule" --help >help 2>&1 || { missing "$(head -1 help)"; exit 77; }
-molecule() { refuses "molecule: $1\\.xyz: $2" -- timeout 60 "$molecule/hapgrid-molecule" "$1.xyz" -o out; }
+hapgrid molecule --help >help 2>&1 || { missing "$(head -1 help)"; exit 77; }
+molecule() { refuses "molecule: $1\\.xyz: $2" -- timeout 60 hapgrid molecule "$1.xyz" -o out; }
 ln -s /dev/zero zero.xyz
 mkfifo pipe.xyz
 mkdir folder.xyz

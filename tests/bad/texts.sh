@@ -85,11 +85,10 @@ assert look("view", "frames")[0] == 0
 for form in ("text", "json"):
     assert look("stats", "--log", "a.session", "--format", form)[0] == 0
 # Programs in Python and in the shell. What is no letter of ASCII is a question mark in the shell's.
-molecule = os.environ["HAPGRID_SOURCE"] + "/examples/molecule/"
 shell = "\x1b]0;title\x07\x9b\u202e\u2028\ufeff\\033[31m"
-for words in ([molecule + "hapgrid-molecule", short + ".xyz", "-o", "none"],
-              [molecule + "hapgrid-molecule", "--smiles", "C" + short, "-o", "none"],
-              [molecule + "hapgrid-molecule", "--smiles", "C", "-o", "none", "--" + shell],
+for words in (["hapgrid", "molecule", short + ".xyz", "-o", "none"],
+              ["hapgrid", "molecule", "--smiles", "C" + short, "-o", "none"],
+              ["hapgrid", "molecule", "--smiles", "C", "-o", "none", "--" + shell],
               ["hapgrid", shell], ["hapgrid", "help", shell], ["hapgrid", "init", shell], ["hapgrid", "init", "--" + shell],
               ["hapgrid", "init", "a", shell], ["hapgrid", "init", "a", "--lang", shell]):
     code, out, err = look(*words)

@@ -1,4 +1,4 @@
-"""chemistry.py FOLDER: checks of FOLDER/hapgrid_molecule that need no grid: wave numbers, names of bonds and of paths."""
+"""Checks of hapgrid.apps.molecule that need no grid: wave numbers, names of bonds and of paths."""
 
 import json
 import os
@@ -10,12 +10,11 @@ from contextlib import suppress
 from dataclasses import replace
 from types import SimpleNamespace
 
-sys.path.insert(0, sys.argv[1])
-from hapgrid_molecule import geometry, optimise, reading, results, rotors, search, singles, torsions, xtb
-from hapgrid_molecule.molecule import relaxed
-from hapgrid_molecule.results import Dropped, Path, Point
-from hapgrid_molecule.xtb import BOHR, HARTREE
-from hapgrid_command import programs
+from hapgrid.apps.molecule import geometry, optimise, reading, results, rotors, search, singles, torsions, xtb
+from hapgrid.apps.molecule.molecule import relaxed
+from hapgrid.apps.molecule.results import Dropped, Path, Point
+from hapgrid.apps.molecule.xtb import BOHR, HARTREE
+from hapgrid.apps.common import programs
 import numpy as np
 
 
@@ -236,14 +235,14 @@ for one in (low, Path([pair] * 4, [-1.5] * 4, 3, {1: "saddle", 3: "minimum"}, "t
 # One that all processes get, as from timeout, ends them, also where one waits for work.
 ASKED = """
 import time
-from hapgrid_command import programs
+from hapgrid.apps.common import programs
 programs.catch_signals()
 with programs.workers(2) as pool:
     print(flush=True)
     list(pool.imap(time.sleep, [0, 1000]))
 """
 began = subprocess.Popen([sys.executable, "-c", ASKED], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-                         start_new_session=True, env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)})
+                         start_new_session=True)
 began.stdout.readline()
 time.sleep(0.5)  # for the one that sleeps for no time
 os.killpg(began.pid, signal.SIGTERM)

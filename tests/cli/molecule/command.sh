@@ -151,10 +151,9 @@ expect 0 '~hapgrid play .*' '' -- "${oneway[@]}" --quiet
 same "paths" H3-O1-O2-H4-minus "$(awk -F'\t' '$2 == "saddle" { print $1 }' oneway/report.tsv)"
 
 # A box that is too small is widened until nothing is held at its sides. Here it begins inside of the molecule.
-/usr/bin/python3 - "$HAPGRID_SOURCE/examples/molecule" >line 2>log <<'END' || fail "$(cat log)"
+PYTHONPATH=$HAPGRID_BUILD/python /usr/bin/python3 - >line 2>log <<'END' || fail "$(cat log)"
 import sys
-sys.path.insert(0, sys.argv[1])
-from hapgrid_molecule import cli, definition
+from hapgrid.apps.molecule import cli, definition
 definition.CLEAR = -2.5
 sys.exit(cli.main(["--smiles", "C#N", "-o", "narrow", "--method", "gfnff", "--spacing", "1"]))
 END
@@ -168,10 +167,9 @@ assert side.sum() > 100 and (of["state"][side] == 0).all()
 END
 
 # Where the grid would take long, the command says with how few points it takes less. The definition of that has as many.
-/usr/bin/python3 - "$HAPGRID_SOURCE/examples/molecule" >line 2>log <<'END' || fail "$(cat log)"
+PYTHONPATH=$HAPGRID_BUILD/python /usr/bin/python3 - >line 2>log <<'END' || fail "$(cat log)"
 import sys
-sys.path.insert(0, sys.argv[1])
-from hapgrid_molecule import cli, grids
+from hapgrid.apps.molecule import cli, grids
 grids.LONG = 0
 sys.exit(cli.main(["--smiles", "C#N", "-o", "long", "--method", "gfnff", "--until", "definition"]))
 END

@@ -82,7 +82,7 @@ if ! /usr/bin/python3 -c 'import ase' 2>/dev/null; then
   missing python3-ase
 else
   printf '2\ncharge=0 unpaired=0\nAr 0 0 0\nAr 0 0 3.8163708\n' >argon.xyz  # at the minimum, 2^(1/6) sigma
-  energy=$("$HAPGRID_SOURCE/examples/molecule/single-point-ase" lj sigma=3.4 epsilon=0.0104 rc=100 argon.xyz)
+  energy=$(single-point-ase lj sigma=3.4 epsilon=0.0104 rc=100 argon.xyz)
   within "argon" "$energy" -0.00038220 -0.00038218  # -0.0104 eV, with what is beyond the cut-off less than 1e-9 of it
 fi
 

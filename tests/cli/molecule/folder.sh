@@ -103,14 +103,14 @@ chmod +x filters/expand
 cp -a renamed crash
 rm crash/molecule.grid
 HAPGRID_BIN=$PWD/filters refuses 'molecule: expand: ended by SIGABRT: free' -- \
-  "$HAPGRID_SOURCE/examples/molecule/hapgrid-molecule" '<img src=x>.xyz' --method gfnff --spacing 1.2 -o crash --quiet
+  molecule '<img src=x>.xyz' --method gfnff --spacing 1.2 -o crash --quiet
 printf '#!/bin/sh\necho $$ >pid\nexec sleep 300\n' >filters/expand
 chmod +x filters/expand
 for signal in TERM HUP KILL; do
   folder=signal-$signal
   cp -a renamed "$folder"
   rm "$folder"/{molecule.grid,pid} 2>/dev/null || true
-  FOLDER=$folder HAPGRID_BIN=$PWD/filters "$HAPGRID_SOURCE/examples/molecule/hapgrid-molecule" '<img src=x>.xyz' --method gfnff \
+  FOLDER=$folder HAPGRID_BIN=$PWD/filters molecule '<img src=x>.xyz' --method gfnff \
     --spacing 1.2 -o "$folder" --quiet >line 2>said &
   command=$!
   wait_for 240 "expand" begun

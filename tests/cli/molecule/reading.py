@@ -1,7 +1,7 @@
-"""reading.py FOLDER read: the inputs are read as read.tsv says. build: the SMILES of inputs/smiles.txt get sound shapes, whose
+"""reading.py read: the inputs are read as read.tsv says. build: the SMILES of inputs/smiles.txt get sound shapes, whose
 configurations Open Babel, which did not build them, reads as it reads the SMILES. groups: bonds and charges that XYZ files do
 not say are found. hostile: damaged files give one line, whatever
-they do to the libraries. FOLDER has the code."""
+they do to the libraries."""
 
 import ctypes
 import os
@@ -11,12 +11,10 @@ import socket
 import subprocess
 import sys
 
-sys.path.insert(0, sys.argv[1])
-import hapgrid_molecule  # finds what all commands share
-from hapgrid_command import confined
-from hapgrid_command.files import Failed
-from hapgrid_molecule import molecule, reading
-from hapgrid_molecule.elements import SYMBOLS
+from hapgrid.apps.common import confined
+from hapgrid.apps.common.files import Failed
+from hapgrid.apps.molecule import molecule, reading
+from hapgrid.apps.molecule.elements import SYMBOLS
 import numpy as np
 from openbabel import openbabel
 from rdkit import Chem
@@ -142,7 +140,7 @@ def canonical(text, kind):
 def build():
     for line in open(f"{HERE}/inputs/smiles.txt"):
         name, smiles = line.split()
-        if len(sys.argv) < 4 and sum(c.isalpha() for c in smiles) > 18:
+        if len(sys.argv) < 3 and sum(c.isalpha() for c in smiles) > 18:
             continue  # with another argument all are built, which takes minutes
         one = reading.read(None, smiles)
         assert (one.charge, one.unpaired, one.built) == (0, 0, True) and is_sound(one), name
@@ -230,4 +228,4 @@ def hostile():
     assert min(outcomes.values()) > 10, outcomes
 
 
-{"read": read, "groups": groups, "build": build, "hostile": hostile}[sys.argv[2]]()
+{"read": read, "groups": groups, "build": build, "hostile": hostile}[sys.argv[1]]()

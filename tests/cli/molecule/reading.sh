@@ -3,5 +3,5 @@ source "$(dirname "$0")/../lib.sh"
 needs_python "openbabel, rdkit, scipy" "python3-openbabel, python3-rdkit, python3-scipy"
 export work
 for part in read groups build hostile; do
-  /usr/bin/python3 "$here/reading.py" "$HAPGRID_SOURCE/examples/molecule" "$part" || fail "$part: see above"
+  PYTHONPATH=$HAPGRID_BUILD/python /usr/bin/python3 "$here/reading.py" "$part" || fail "$part: see above"
 done

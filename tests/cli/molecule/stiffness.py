@@ -1,9 +1,6 @@
-"""stiffness.py FOLDER: checks the rule of FOLDER/hapgrid_molecule/stiffness.py with Hessians of closed form."""
+"""Checks the rule of hapgrid.apps.molecule.stiffness with Hessians of closed form."""
 
-import sys
-
-sys.path.insert(0, sys.argv[1])
-from hapgrid_molecule import geometry, stiffness
+from hapgrid.apps.molecule import geometry, stiffness
 import numpy as np
 
 # A cross of four equal atoms. A torsion moves one of them, 3 Å from the centre, by 2 Å for a unit of t.

@@ -1,6 +1,6 @@
 # The stiffness that `hapgrid molecule` chooses: for made-up Hessians of closed form, and for a grid that breaks a rule.
 source "$(dirname "$0")/../lib.sh"
-/usr/bin/python3 "$here/stiffness.py" "$HAPGRID_SOURCE/examples/molecule" || fail "see above"
+PYTHONPATH=$HAPGRID_BUILD/python /usr/bin/python3 "$here/stiffness.py" || fail "see above"
 
 # A verify that finds a fault the first time: the anchors become half as stiff, and the next time it is fine.
 mkdir filters
@@ -14,7 +14,7 @@ cp methanol.toml "$PWD/first.toml"
 exit 3
 END
 chmod +x filters/verify
-methanol=("$HAPGRID_SOURCE/examples/molecule/hapgrid-molecule" --smiles CO --method gfnff --spacing 1.5 -o methanol)
+methanol=(molecule --smiles CO --method gfnff --spacing 1.5 -o methanol)
 HAPGRID_BIN=$PWD/filters expect 0 '~hapgrid play .*' '~.*breaks a rule: .*: anchors half as stiff are tried.*' -- "${methanol[@]}"
 number() { sed -n "s/^$2_stiffness = \([0-9.]*\) .*/\1/p" "$1"; }
 same "shift" '50 25' "$(number first.toml shift) $(number methanol/methanol.toml shift)"

@@ -2,7 +2,7 @@
 # What the tests of prepared molecules share: values from their files, and the program xtb beside them.
 sanitized && skip "nothing in it has sanitizers"
 needs xtb xtb
-# The system's Python, as hapgrid-molecule names it.
+# The system's Python, as hapgrid molecule starts it.
 /usr/bin/python3 -c 'import rdkit, scipy' 2>/dev/null ||
   { missing "python3-rdkit or python3-scipy"; exit 77; }
 /usr/bin/python3 -c 'import ctypes; ctypes.CDLL("libxtb.so.6")' 2>/dev/null ||

@@ -43,7 +43,7 @@ for plot in plots:
     # The rims of markers and legends are white, and so is the frame of a picture.
     check(plot, set(re.findall(rf"stroke: ({HEX})", svg)) - {"#ffffff"}, LINE)
     check(plot, re.findall(rf"<text[^>]*fill: ({HEX})", svg), TEXT)
-for name in ("tools/view/page/page.html", "examples/molecule/hapgrid_molecule/page.html", "examples/table/hapgrid_table/page.py"):
+for name in ("tools/view/page/page.html", *(f"tools/python/hapgrid/apps/{one}" for one in ("molecule/page.html", "table/page.py"))):
     with open(f"{source}/{name}", encoding="utf-8") as file:
         rules = re.findall(r"([\w-]+): *([^;}\n]+)", file.read())
     check(name, [colour for key, value in rules if key.startswith("border") for colour in re.findall(HEX, value)], LINE)

@@ -3,22 +3,17 @@ source "$(dirname "$0")/../lib.sh"
 needs_python "rdkit, scipy" "python3-rdkit, python3-scipy"
 /usr/bin/python3 -c 'import ctypes; ctypes.CDLL("libxtb.so.6")' 2>/dev/null || { missing libxtb6; exit 77; }
 
-mkdir -p copy/filters
-for folder in command molecule/hapgrid_molecule table/hapgrid_table docking/hapgrid_dock xtb; do
-  mkdir -p "copy/$folder"
-  cp -r "$HAPGRID_SOURCE/examples/$folder/." "copy/$folder"
-done
-cp "$HAPGRID_SOURCE/examples/molecule/elements.inc" copy/molecule
+cp -r "$HAPGRID_BUILD/python" copy
+mkdir copy/filters
 seed() { printf '#!/bin/sh\necho %s\n' "$1" >copy/filters/seed && chmod +x copy/filters/seed; }
 seed 1
 
 # computed PACKAGE: what two runs of its command compute, one after the other, in one folder.
 computed() {
-  HAPGRID_BIN=$PWD/copy/filters /usr/bin/python3 - "$1" <<'END' | xargs
+  HAPGRID_BIN=$PWD/copy/filters PYTHONPATH=copy /usr/bin/python3 - "$1" <<'END' | xargs
 import importlib, os, sys
-sys.path[:0] = [os.path.abspath(f"copy/{name}") for name in ("molecule", "table", "docking")]
-importlib.import_module(sys.argv[1] + (".steps" if sys.argv[1] == "hapgrid_molecule" else ".course"))
-from hapgrid_command.work import Work
+importlib.import_module(f"hapgrid.apps.{sys.argv[1]}.{'steps' if sys.argv[1] == 'molecule' else 'course'}")
+from hapgrid.apps.common.work import Work
 
 
 def compute():
@@ -39,14 +34,14 @@ for run in "first", "second":
 END
 }
 for package in molecule table dock; do
-  same "$package" "first computed forgotten second" "$(computed "hapgrid_$package")"
+  same "$package" "first computed forgotten second" "$(computed "$package")"
 done
-for change in command/hapgrid_command/grid.py molecule/hapgrid_molecule/page.html table/hapgrid_table/cli.py docking/hapgrid_dock/cli.py filters; do
-  if [[ $change == filters ]]; then seed 2; else echo '#' >>"copy/$change"; fi
+for change in common/grid.py molecule/page.html table/cli.py dock/cli.py filters; do
+  if [[ $change == filters ]]; then seed 2; else echo '#' >>"copy/hapgrid/apps/$change"; fi
   for package in molecule table dock; do
     anew="first second"
     # What docking shares with tables counts for it, too.
-    case $change:$package in filters:* | command/*:* | "$package"/*:* | docking/*:dock | table/*:dock) anew="first computed forgotten second" ;; esac
-    same "$package after a change of $change" "$anew" "$(computed "hapgrid_$package")"
+    case $change:$package in filters:* | common/*:* | "$package"/*:* | dock/*:dock | table/*:dock) anew="first computed forgotten second" ;; esac
+    same "$package after a change of $change" "$anew" "$(computed "$package")"
   done
 done

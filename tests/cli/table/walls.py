@@ -1,4 +1,4 @@
-"""Tries ways out of each kind of process that reads files from strangers (hapgrid_command/confined.py), with Landlock and
+"""Tries ways out of each kind of process that reads files from strangers (hapgrid.apps.common.confined), with Landlock and
 without. It works in the current folder, and prints a table."""
 
 import ctypes
@@ -8,8 +8,8 @@ import os
 import pty
 import sys
 
-from hapgrid_command import confined
-from hapgrid_command.files import Failed
+from hapgrid.apps.common import confined
+from hapgrid.apps.common.files import Failed
 
 FILES = {"a new file", "an unnamed file", "mmap", "truncate on opening", "a terminal", "the parent's memory"}
 

@@ -3,7 +3,7 @@ source "$(dirname "$0")/../lib.sh"
 needs_python numpy python3-numpy
 
 mkdir code
-cp -R "$HAPGRID_SOURCE/examples/command/hapgrid_command" "$here/walls.py" code
+cp -R "$HAPGRID_BUILD/python/hapgrid" "$here/walls.py" code
 chmod -R a+rX .. .
 whos=("")
 ((EUID != 0)) || whos+=("setpriv --reuid=65534 --regid=65534 --clear-groups")

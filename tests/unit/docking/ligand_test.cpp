@@ -4,8 +4,8 @@
 #include <hapgrid/plugin.hpp>
 #include <string>
 
-#include "examples/docking/pose.hpp"
 #include "tests/unit/catch.hpp"
+#include "tools/apps/docking/pose.hpp"
 
 using namespace hapgrid;
 using Catch::Matchers::ContainsSubstring;

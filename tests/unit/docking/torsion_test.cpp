@@ -5,8 +5,8 @@
 #include <random>
 #include <string>
 
-#include "examples/docking/pose.hpp"
 #include "tests/unit/catch.hpp"
+#include "tools/apps/docking/pose.hpp"
 
 using namespace hapgrid;
 

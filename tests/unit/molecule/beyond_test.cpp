@@ -2,9 +2,9 @@
 // both sides. Energies and shapes of the nodes are GFN2-xTB's, from the committed texts.
 #include <sstream>
 
-#include "examples/molecule/minima.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/molecule/reference.hpp"
+#include "tools/apps/molecule/minima.hpp"
 
 using namespace molecules;
 using Catch::Matchers::Equals;

@@ -5,11 +5,11 @@
 #include <tuple>
 #include <utility>
 
-#include "examples/molecule/conversion.hpp"
 #include "libcore/grid/vec3.hpp"
 #include "libcore/scene/bonds.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/molecule/reference.hpp"
+#include "tools/apps/molecule/conversion.hpp"
 
 using namespace molecules;
 using Catch::Matchers::StartsWith;

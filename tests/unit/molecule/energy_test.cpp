@@ -1,4 +1,4 @@
-#include "examples/molecule/energy.hpp"
+#include "tools/apps/molecule/energy.hpp"
 
 #include "tests/unit/catch.hpp"
 #include "tests/unit/molecule/reference.hpp"

@@ -1,5 +1,5 @@
 // What the reader takes, and what it refuses: in one line that names the text, frame and atoms.
-#include "examples/molecule/input.hpp"
+#include "tools/apps/molecule/input.hpp"
 
 #include <locale>
 

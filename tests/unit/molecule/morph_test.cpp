@@ -1,8 +1,8 @@
-#include "examples/molecule/morph.hpp"
+#include "tools/apps/molecule/morph.hpp"
 
-#include "examples/molecule/elementary.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/molecule/reference.hpp"
+#include "tools/apps/molecule/elementary.hpp"
 
 using namespace molecules;
 

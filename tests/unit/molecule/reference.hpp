@@ -13,10 +13,10 @@
 #include <string>
 #include <vector>
 
-#include "examples/molecule/energy.hpp"
-#include "examples/molecule/input.hpp"
 #include "libcore/model/plugin_model.hpp"
 #include "tests/unit/catch.hpp"
+#include "tools/apps/molecule/energy.hpp"
+#include "tools/apps/molecule/input.hpp"
 
 namespace molecules {
 

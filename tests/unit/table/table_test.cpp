@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "examples/table/field.hpp"
 #include "tests/unit/catch.hpp"
+#include "tools/apps/table/field.hpp"
 
 using namespace hapgrid::table;
 using Catch::Matchers::ContainsSubstring;

@@ -6,15 +6,17 @@ import json
 import os
 import subprocess
 import warnings
+from pathlib import Path
 
 from hapgrid.frames import MAGIC, read_frames
 
 COLUMNS = 10  # of a text log before the levels: t, the HIP, the model's force and the one that was sent
+FILTERS = str(Path(__file__).resolve().parents[2] / "bin")  # their folder lies beside that of this package
 
 
 def program(name: str) -> str:
-    """The path of a filter: this module lies beside their folder."""
-    return os.path.join(os.path.dirname(os.path.realpath(__file__)), "../../bin", name)
+    """The path of a filter."""
+    return os.path.join(FILTERS, name)
 
 
 def model_words(folder: str | os.PathLike | None) -> list[str]:

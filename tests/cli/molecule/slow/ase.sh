@@ -3,7 +3,7 @@
 source "$(dirname "$0")/../../lib.sh"
 source "$here/../xtb.bash"
 /usr/bin/python3 -c 'import ase' 2>/dev/null || skip "python3-ase is not installed"
-ase=$HAPGRID_SOURCE/examples/molecule/single-point-ase
+ase=single-point-ase
 
 printf '2\ncharge=-1 unpaired=0\nO 0 0 0\nH 0 0 0.97\n' >hydroxide.xyz
 refuses 'single-point-ase: charge -1, 0 unpaired electrons: tell emt by its own KEY=VALUE' -- "$ase" emt hydroxide.xyz

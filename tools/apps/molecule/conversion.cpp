@@ -1,0 +1,64 @@
+#include "tools/apps/molecule/conversion.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace hapgrid::molecule {
+
+namespace {
+
+// A minimum without contact counts as a molecule at rest when no scaled variable is farther from
+// that, Å.
+constexpr double kSnap = 0.01;
+
+}  // namespace
+
+double rounded_state(double v) {
+  // A value so large that a double's digits do not reach down to the unit is left alone. No
+  // stiffness allows such a state.
+  constexpr double kRound = 6755399441055744.0;  // 1.5 * 2^52
+  const double units = v / kStateUnit;
+  if (!(std::abs(units) < 0x1p50)) return v;
+  return ((units + kRound) - kRound) * kStateUnit + 0.0;  // + 0.0: never -0
+}
+
+Conversion::Conversion(const Molecule& molecule, HybridEnergy& energy, double substep,
+                       const MinimiserLimits& limits)
+    : energy_(energy), substep_(substep), minima_(molecule, energy), minimiser_(energy, limits) {}
+
+void Conversion::convert(const double* s, const double* x, const double* d, double* result) {
+  const std::size_t n = energy_.variables();
+  std::array<double, kMaxVariables> state;
+  for (std::size_t i = 0; i < n; ++i) {
+    const bool morphs = i < energy_.morph().paths();
+    const double low = morphs ? energy_.low(i) : 0;
+    state[i] = morphs ? std::clamp(s[i], low, low + 1) : s[i];
+  }
+  const std::size_t none = minima_.size();
+  std::size_t rest = minima_.near(state.data(), 0);
+  const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+  // There is at least one substep: a state that is given need not be a minimum.
+  const double substeps = std::max(1.0, std::ceil(length / substep_));
+  const double move[3] = {d[0] / substeps, d[1] / substeps, d[2] / substeps};
+  if (rest == none) minimiser_.start(state.data(), x);
+  for (double step = 1; step <= substeps; ++step) {
+    const double f = step / substeps;
+    const double p[3] = {x[0] + f * d[0], x[1] + f * d[1], x[2] + f * d[2]};
+    // Without contact it is a minimum already. Most conversions end there.
+    if (rest != none && !minima_.touched(rest, p)) continue;
+    if (rest != none)
+      minimiser_.minimise(state.data(), p, step == substeps);
+    else
+      minimiser_.follow(state.data(), p, move, step == substeps);
+    rest = none;
+    if (energy_.touches()) continue;
+    const std::size_t nearest = minima_.near(state.data(), kSnap);
+    if (nearest == none || minima_.touched(nearest, p)) continue;
+    std::copy_n(minima_.state(nearest).begin(), n, state.begin());
+    rest = nearest;
+  }
+  for (std::size_t i = 0; i < n; ++i) result[i] = rounded_state(state[i]);
+}
+
+}  // namespace hapgrid::molecule

@@ -1,0 +1,109 @@
+// The hybrid energy (Sect. 3 of the paper): the molecule's energy and the rules of the interaction
+// in one quantity, which the model minimises and whose gradient the hand feels. In kJ/mol,
+//
+//   H(s, x) = Σ_k E_k(t_k)                                  the molecule's own (profile.hpp)
+//           + ½ penalty Σ_i max(0, R_i + probe_radius - |x - a_i|)²
+//           + ½ shift_stiffness |shift|² + ½ rotation_stiffness |rotation|²
+//           + ½ morph_stiffness Σ_k t_k²
+//   a_i     = c + shift + R(rotation) (b_i(t) - c),   c the conformation's centre of mass
+//
+// with b_i(t) from the morph. The last term is a stabiliser and no part of the molecule's energy:
+// it leads back to the conformation where the profiles are flat.
+//
+// A state is t_1 .. t_K (in [0, 1], or in [low, low + 1] where a path goes on behind its saddles),
+// shift (3, Å) and rotation (3, a rotation vector in rad).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "tools/apps/molecule/morph.hpp"
+#include "tools/apps/molecule/profile.hpp"
+
+namespace hapgrid::molecule {
+
+inline constexpr std::size_t kMaxVariables = kMaxPaths + 6;
+
+struct EnergyParameters {
+  double probe_radius = 1.2;        // Å
+  double penalty = 100;             // kJ/(mol Å²)
+  double shift_stiffness = 20;      // kJ/(mol Å²)
+  double rotation_stiffness = 100;  // kJ/(mol rad²)
+  double morph_stiffness = 5;       // kJ/mol
+};
+
+/// An object keeps what it computed last, so only one thread may use it. Real-time safe after
+/// construction.
+class HybridEnergy {
+ public:
+  /// @throw std::runtime_error as Morph does.
+  HybridEnergy(const Molecule& molecule, const EnergyParameters& parameters);
+
+  std::size_t variables() const { return variables_; }
+  const Morph& morph() const { return morph_; }
+  const EnergyParameters& parameters() const { return parameters_; }
+  /// The least t_k; the largest is one more.
+  double low(std::size_t k) const { return morph_.low(k); }
+  /// How far a unit of a variable moves the atoms, Å RMS: the minimiser's scale.
+  double scale(std::size_t variable) const { return scale_[variable]; }
+
+  /// H(s, x), kJ/mol.
+  double value(const double* s, const double* x);
+  /// Whether the probe touched an atom in the last value().
+  bool touches() const { return contact_count_ > 0; }
+  /// At the s and x of the last value(): the gradient ∂H/∂s (n), and the Hessian (n x n, symmetric)
+  /// without the second derivatives of the rotation's parametrisation. The morph's second
+  /// derivatives change slowly: without `anew` their part is that of the last call.
+  void derivatives(double* gradient, double* hessian, bool anew);
+
+  /// -∂H/∂x, kJ/(mol Å).
+  void force(const double* s, const double* x, double* f);
+  /// Σ_k E_k(t_k), kJ/mol: the molecule's energy alone.
+  double shape_energy(const double* t) const;
+
+  /// Positions in state s, Å: 3 numbers an atom, by the atom's index in the molecule.
+  template <class Number>
+  void positions(const double* s, Number* out);
+  /// RMS displacement of the atoms between two states, Å.
+  double displacement(const double* a, const double* b);
+
+ private:
+  struct Contact {
+    std::size_t place;  // in the tree's order
+    double distance;
+    double overlap;
+    double normal[3];  // from the probe to the atom, in the molecule's frame
+  };
+  /// R(v) and the matrix J of dR = R [J dv]x, row by row (Gallego and Yezzi 2015).
+  struct Rotation {
+    std::array<double, 9> matrix, rate;
+  };
+  static Rotation rotation(const double* vector);
+
+  void place(const double* s, const double* x);
+  void find_contacts();
+  void add_contact(const Contact& contact, double* gradient, double* hessian);
+  void placed(const double* s, const Morph::Shape& shape, std::size_t i, const Rotation& r,
+              double* a) const;
+
+  EnergyParameters parameters_;
+  Morph morph_;
+  std::size_t variables_;
+  std::vector<double> scale_;
+  std::vector<Profile> profiles_;
+  std::vector<double> reach_;  // R_i + probe_radius by place in the tree's order
+  std::array<double, 3> centre_;
+
+  Morph::Shape shape_, other_;
+  Rotation rotation_;
+  std::array<double, kMaxVariables> state_;
+  std::array<double, 3> probe_;    // in the molecule's frame
+  std::vector<Contact> contacts_;  // the first contact_count_ count
+  std::size_t contact_count_ = 0;
+  std::vector<Morph::Pull> pulls_;                     // of the contacts
+  std::vector<double> velocity_;                       // 3 x paths
+  std::array<double, kMaxPaths * kMaxPaths> bending_;  // Σ push n · ∂²a/∂t∂t, paths x paths
+};
+
+}  // namespace hapgrid::molecule

@@ -1,0 +1,248 @@
+"""The course of a host and a ligand from their files to the page."""
+
+import json
+import math
+import os
+
+import numpy as np
+from hapgrid.apps.common.files import Failed, digest, pieces, remove
+from hapgrid.apps.table import page, readers
+from hapgrid.apps.table.course import table_text
+from hapgrid.apps.table.work import course
+from scipy.interpolate import CubicSpline
+
+from . import field, maps
+
+LARGEST = 10.0  # angstrom: the sides of a box that nobody asked for
+MAX_LEVELS = 254
+WALL = "wall.table"
+MOST_POINTS = 200_000  # of a grid: at each of them, deepest orientations are sought
+PART = 250  # points, whose deepest orientations are sought and kept at a time
+FORCE_SCALE = 0.02  # newtons for 1 kJ/(mol angstrom), unless this makes the largest force larger than
+LARGEST_FORCE = 2.7  # newtons: the search may find a little more, and a hand feels no more than 3
+TICKS = 4000  # of the way in, and as many back
+# By the number of a link's direction.
+STEPS = [np.array((i, j, k)) for k in (-1, 0, 1) for j in (-1, 0, 1) for i in (-1, 0, 1) if (i, j, k) != (0, 0, 0)]
+
+
+def run(o):
+    """Everything; the line for standard output."""
+    for given in (o.host, o.ligand):
+        next(pieces(given), None)  # says why, where it cannot be read
+    options = [o.centre, o.size, o.spacing, o.map_spacing, o.torsions, o.atoms]
+
+    def define(work, name):
+        work.enter()
+        given = [o.host, o.ligand, *(field.files(o.host).values() if _is_field(o.host) else ())]
+        work.step("definition", "reading host and ligand" if o.atoms else "computing the maps", [], [*map(digest, given), options],
+                  lambda: _define(o, work, name))
+    return course("dock", o, define, _page)
+
+
+def _is_field(path):
+    return path.lower().endswith(".fld")
+
+
+def _define(o, work, name):
+    remove(work.path(f"{name}.toml"))  # where this run is refused, the next one must not take its files for good
+    own = _is_field(o.host)
+    if own and o.atoms:
+        raise Failed(f"{o.host}: --atoms needs the file of the host's atoms, not of its maps")
+    host = field.host(o.host) if own else maps.pdbqt(work, o.host, "host", maps.MOST_BY_ATOMS if o.atoms else maps.MOST_HOST)
+    ligand = maps.pdbqt(work, o.ligand, "ligand", maps.MOST_LIGAND)
+    if len(ligand) < 2:
+        raise Failed(f"{o.ligand}: one atom cannot turn: `hapgrid table` makes a grid of a map")
+    reach = maps.reach(ligand, work.read("ligand.pdbqt"), o.torsions > 0)
+    if own:
+        names, tables = field.read(o.host, ligand)
+        low = tables[0].origin
+        high = low + tables[0].axes[0, 0] * (np.array(tables[0].values.shape) - 1)
+        if reach > np.linalg.norm(high - low) / 2:
+            raise Failed(f"{o.ligand}: atoms {reach:.1f} angstrom from the ligand's centre: it is larger than the maps")
+    else:
+        places = np.array([place for _, place, _ in host])
+        low, high = places.min(axis=0), places.max(axis=0)
+    centre = np.array(o.centre) if o.centre else (low + high) / 2
+    size = np.array(o.size) if o.size else np.minimum(high - low, LARGEST)
+    counts = [max(int(np.floor(s / o.spacing + 1e-6)) + 1, 2) for s in size]
+    if math.prod(counts) > MOST_POINTS:
+        raise Failed(f"the box has {math.prod(counts):,} points, at most {MOST_POINTS:,} are possible: make --size "
+                     "smaller or --spacing larger")
+    size = (np.array(counts) - 1) * o.spacing
+    if own and not ((centre - size / 2 >= low - 1e-6) & (centre + size / 2 <= high + 1e-6)).all():
+        raise Failed(f"the box is not inside the maps, which go from {_point(low)} to {_point(high)}")
+    low, high = centre - size / 2, centre + size / 2
+    made = []
+    if o.atoms:
+        names = tables = []
+    elif own:
+        tables = [field.fitted(table, low - reach, high + reach) for table in tables]
+    else:
+        margin = reach + o.map_spacing
+        made = maps.compute(work, host, ligand, low - margin, high + margin, o.map_spacing)
+        names, tables = field.read(work.path("host.maps.fld"), ligand)
+    files = [] if o.atoms else maps.write(work, names, tables, host, low, high)
+    by = "atom by atom" if o.atoms else f"maps {', '.join(names)}"
+    work.say(f"  host of {len(host)} atoms, ligand of {len(ligand)} atoms; grid of {' x '.join(map(str, counts))} points, "
+             f"{o.spacing:g} angstrom apart; {by}")
+    types = "" if o.atoms else f"types = {json.dumps(names)}   # what the maps are of: AutoDock's types of atoms, charge e, desolvation d\n"
+
+    def definition(force_scale):
+        return f"""\
+# {name}: made by `hapgrid dock`, which keeps what is changed here and computes the grid anew when it is run
+# again. Lengths in Å.
+
+[model]
+plugin = "docking"
+
+[model.files]             # the grid carries their contents
+ligand = "ligand.pdbqt"
+{'host = "host.pdbqt"' if o.atoms else f"maps = {json.dumps(files)}"}
+wall = "{WALL}"       # the energy of the deepest pose at each point, with `soft` and `torsions` as they were made here
+
+[model.parameters]
+{types}soft = 20                 # kJ/mol: energies E above it, of an atom and of all, become soft (1 + ln(E / soft))
+highest = 0               # kJ/mol: a pose that is higher turns over to the deepest one at the nearest point of the wall
+torsions = {o.torsions}              # so many of the ligand's bonds turn, those around which its own energy changes least
+substep = {0.05 if o.torsions else 0.1:<16g}# of the HIP between two minimisations, Å
+tolerance = 0.1           # orientations whose atoms are no farther apart, RMS, are one; Å
+force_scale = {force_scale:<12.3g}# newtons on the device for 1 kJ/(mol Å)
+
+[grid]
+origin = {[round(float(v), 6) for v in low]}
+spacing = {o.spacing:g}
+counts = {counts}
+
+[search]
+max_levels = {MAX_LEVELS}           # orientations that a place may have
+store = ["energy", "force"]
+"""
+    work.write(WALL, "")  # until it is known
+    work.write(".records.toml", definition(FORCE_SCALE))
+    largest = _wall(work, low, o.spacing, counts, o.threads)
+    remove(work.path(".records.toml"))
+    work.write(f"{name}.toml", definition(FORCE_SCALE * LARGEST_FORCE / max(largest, LARGEST_FORCE)))
+    return [*([] if own else ["host.pdbqt"]), "ligand.pdbqt", WALL, f"{name}.toml", *files, *made]
+
+
+def _point(place):
+    return ",".join(f"{v:g}" for v in place.round(2))
+
+
+def _wall(work, low, spacing, counts, threads):
+    """Makes the table of the wall by .records.toml, and returns the largest force of poses and wall. Refuses a box in which
+    the ligand overlaps with the host everywhere."""
+    points = (low + spacing * np.argwhere(np.ones(counts[::-1]))[:, ::-1]).round(6).tolist()
+    given = [work.version, work.read(".records.toml"), [work.digest(file) for file in work.inputs_of(".records.toml")]]
+
+    def part(begin):
+        of = points[begin:begin + PART]
+
+        def seek():
+            seeds = f".records.{begin}"
+            work.run("seed", ".records.toml", "--set", f"seeds.points={of}", "-o", seeds)
+            found = _records(work, seeds)
+            os.remove(work.path(seeds))
+            at = found["point"].astype(int) @ (1, counts[0], counts[0] * counts[1]) - begin
+            lowest = np.full(len(of), np.inf)
+            np.minimum.at(lowest, at, found["energy"])
+            poses = np.linalg.norm(found["force"][found["energy"] <= 0], axis=1)
+            return [*lowest.tolist(), float(poses.max(initial=0))]
+        return work.kept.take([*given, begin], seek, lambda kept: np.array([*kept], float).reshape(len(of) + 1))
+    found = work.each("seeking the deepest orientation at each point", part, range(0, len(points), PART), threads)
+    lowest = np.concatenate([one[:-1] for one in found])
+    if lowest.min() > 0:
+        raise Failed(f"the ligand overlaps with the host everywhere in the box: its best energy is {lowest.min():.1f} kJ/mol: "
+                     "give another --centre or --size")
+    # A spline needs four points along each axis.
+    values = np.pad(lowest.reshape(counts, order="F"), 1, mode="reflect", reflect_type="odd")
+    work.write(WALL, table_text(readers.Table(values, low - spacing, spacing * np.eye(3))))
+    # By the spline of the plug-in, which is "not a knot" as well.
+    slopes = np.linalg.norm([CubicSpline(np.arange(n), values, axis=axis)(np.arange(n), 1) for axis, n in
+                             enumerate(values.shape)], axis=0)[1:-1, 1:-1, 1:-1] / spacing
+    return max(*(one[-1] for one in found), FORCE_SCALE * slopes.max(where=lowest.reshape(counts, order="F") > 0, initial=0))
+
+
+def _records(work, grid):
+    """All that is known of all records."""
+    table = f"{grid if grid[0] == '.' else '.records'}.npy"
+    work.run("stats", grid, "--npy", table)
+    try:
+        return np.load(work.path(table))
+    finally:
+        os.remove(work.path(table))
+
+
+def _page(work, name):
+    grid = f"{name}.grid"
+    report = json.loads(work.run("stats", grid, "--format", "json")[0])
+    origin, spacing = np.array(report["box"]["origin"]), report["box"]["spacing"]
+    counts = np.array(report["box"]["counts"])
+    records = _records(work, grid)
+    points, energy, state, links = records["point"].astype(int), records["energy"], records["state"], records["destination"]
+    ends = [origin + spacing * end for end in _way(points, energy, links, counts)]
+    work.write("path.txt", page.way_text(ends, "angstrom", TICKS))
+    poses = _poses(points, energy, state)
+    rows = [(energy[n], *(origin + spacing * points[n]), *state[n]) for n in poses]
+    heads = ["energy / (kJ/mol)", "x / angstrom", "y / angstrom", "z / angstrom",
+             *(f"R{r}{c}" for c in (1, 2) for r in (1, 2, 3)),
+             *(f"torsion {t + 1} / rad" for t in range(state.shape[1] - 6))]
+    work.write("poses.tsv", "\t".join(heads) + "\n" + "".join("\t".join(f"{v:.4f}" for v in row) + "\n" for row in rows))
+    made = ["path.txt", "poses.tsv", *page.along(work, grid, "kJ/mol", "angstrom")]
+    for picture, at in (("outside.png", 0.0), ("inside.png", TICKS / 1000)):
+        work.run("view", "played.frames", "--at", at, "--png", picture)
+        made.append(picture)
+    levels = report["average_levels"]
+    table = "".join("<tr>" + "".join(f"<td>{v:.2f}" for v in row[:4]) for row in rows)
+    page.write_frame(work, name, f"""<p>The hand holds the ligand's centre, and the ligand turns by itself. A place has
+{levels:.2f} orientations on average, {len(report["levels_histogram"]) - 1} at most.
+<iframe src="played.html" title="the ligand on its way"></iframe>
+<h2>The way in and back</h2>
+<img src="outside.png" alt="outside"> <img src="inside.png" alt="inside">
+<img src="energy.png" alt="energy on the way"> <img src="force.png" alt="force on the way">
+<h2>The deepest poses</h2>
+<table><tr><th>energy / (kJ/mol)<th>x / Å<th>y / Å<th>z / Å{table}</table>""")
+    return [*made, "index.html"]
+
+
+def _way(points, energy, links, counts):
+    """(start, end): from the box's edge straight towards the point of the deepest record, as far as the energy falls. Of the
+    directions in which the links from the start's first level lead about as deep, it is one that climbs little and falls
+    far, and along an axis rather than not, since the grid knows the energy best along its edges."""
+    first = {}
+    for n, point in enumerate(map(tuple, points)):
+        first.setdefault(point, n)
+    deepest = points[energy.argmin()]
+    ways = []
+    for q, step in enumerate(STEPS):
+        at = deepest
+        while ((at - step >= 0) & (at - step < counts)).all():
+            at = at - step
+        if tuple(at) not in first or (at == deepest).all():
+            continue
+        start, record, along = at, first[tuple(at)], []
+        while True:
+            along.append(energy[record])
+            if (at == deepest).all():
+                break
+            record, at = int(links[record][q]), at + step
+        end = int(np.argmin(along))
+        most = max(along[:end + 1])
+        if end > 0:
+            climbs, falls = most - min(along[0], 0), along[end] - min(along[0], 0)
+            ways.append((along[end], (round(climbs / 5), round(falls / 5), np.abs(step).sum(), most), start, start + end * step))
+    if not ways:  # the energy rises on all of them
+        return deepest, deepest
+    deep = min(way[0] for way in ways)
+    return min((way for way in ways if way[0] <= deep + abs(deep) / 4), key=lambda way: way[1])[2:]
+
+
+def _poses(points, energy, state, most=10, apart=1.0):
+    """Numbers of the deepest records, no two of which are neighbours with about the same orientation."""
+    taken = []
+    for n in np.argsort(energy)[:5000]:
+        if all(np.abs(points[n] - points[k]).max() > 2 or np.linalg.norm(state[n] - state[k]) > apart for k in taken):
+            taken.append(n)
+        if len(taken) == most:
+            break
+    return taken

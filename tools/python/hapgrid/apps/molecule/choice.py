@@ -1,0 +1,91 @@
+"""The softest paths that are sane together.
+
+One path is as good as quantum chemistry made it. Where several are combined nobody has computed the shape, and atoms may
+run into each other. So paths are taken from the softest on, and one is left out when `molecule-check` finds that it clashes
+with those that were taken before. Where two torsions are both behind a saddle, the model adds their energies: each such
+shape is computed, a single point, by what gave the other energies.
+"""
+
+import json
+
+from hapgrid.apps.common.files import remove
+
+from . import files, xyz
+from .definition import Definition
+from .rotors import label
+from .xtb import BOHR, HARTREE
+
+ROTORS = ("path", "atoms", "barrier_kJ_mol", "taken", "why")  # the heads of rotors.tsv
+MISSED = 4.0  # kJ/mol: what the sum may miss
+
+
+def choose(start, result, unwanted):
+    """The paths of the grid, the lowest barrier first; rotors.tsv has them all, and why others are not taken. unwanted: paths,
+    and why."""
+    o, kept = start.options, start.folder
+    lowest_first = sorted(result.found, key=lambda f: round(f.barrier * HARTREE, 2))  # equal ones as they were found
+
+    def compute():
+        rows, taken, left = [], [], {}
+        for f in lowest_first:
+            why = unwanted.get(f.name) or (
+                f"stiffer than the {o.paths} that are taken (--paths)" if len(taken) == o.paths else
+                _fault(start, result, Definition.around(start.molecule, result, [*taken, f.name], o.basins)))
+            if not why:
+                taken.append(f.name)
+            rows.append((f.name, f"{(f.barrier - result.energy) * HARTREE:.2f}", "no" if why else "yes", why or "-"))
+        rows += [(name, "-", "no", why) for name, why in result.dropped]
+        # Between minima of an ensemble no single bond may turn.
+        atoms = {name: "-".join(label(result.numbers, a) for a in t.atoms)
+                 for t in start.turning for name in (t.name, *t.file_names())}
+        table = [ROTORS, *((name, atoms.get(name, "-"), *rest) for name, *rest in rows)]
+        kept.write("rotors.tsv", "".join("\t".join(row) + "\n" for row in table))
+        kept.say("  taken: " + (", ".join(taken) or "no path: the molecule keeps its shape"))
+        for name, _, is_taken, why in rows:
+            if is_taken == "no":
+                left.setdefault(why, []).append(name)
+        for why, names in left.items():
+            kept.say(f"  left out: {', '.join(names)}: {why}")
+        return ["rotors.tsv"]
+    kept.step("choice", "choosing the softest paths that are sane together", [*result.files(), "report.tsv"],
+              [o.paths, unwanted, o.basins, o.single_points], compute)
+    taken = {row["path"] for row in files.rows(kept, "rotors.tsv", ROTORS) if row["taken"] == "yes"}
+    return [f.name for f in lowest_first if f.name in taken]
+
+
+def _fault(start, result, definition):
+    """What speaks against a set of paths, or nothing."""
+    folder, name = start.folder, ".choice.toml"
+    folder.write(name, definition.text())
+    try:
+        ran = folder.run("molecule-check", name, "--format", "json", good=(0, 1, 3))
+        if ran.code == 1:
+            return ran.said
+        found = json.loads(ran.out)
+        for problem in found["problems"]:
+            names = [definition.paths[n] for n in problem["paths"]]
+            who = " and ".join(names) if len(names) < 3 else "all paths"
+            return f"{who}{' combined' * (len(names) > 1)}{': ' * bool(names)}{problem['what']}"
+        combined = [m for m in found["minima"] if sum(t != 0 for t in m["t"]) > 1]
+        return _missed(start, result.x, name, combined) if start.options.basins and combined else ""
+    finally:
+        remove(folder.path(name))
+
+
+def _missed(start, x, toml, minima):
+    """What speaks against the energies that the model gives combined minima, or nothing."""
+    method, by = ("single points", start.points) if start.points else ("xtb", start.surface(x))
+    rest = by.energy(x)
+    for one in minima:
+        energy = (by.energy(shape(start.folder, toml, one["t"]) / BOHR) - rest) * HARTREE
+        if abs(energy - one["energy_kJ_mol"]) > MISSED:
+            at = ",".join(f"{v:.9g}" for v in one["t"])
+            return (f"the minima at t = {at} together are {energy:.1f} kJ/mol by {method}, "
+                    f"{one['energy_kJ_mol']:.1f} by the sum")
+    return ""
+
+
+def shape(folder, definition, t):
+    """The atoms (angstrom) of the model at t."""
+    text = folder.run("molecule-check", definition, "--xyz=" + ",".join(map(repr, t))).out
+    return xyz.frames_of(text, definition)[0].x

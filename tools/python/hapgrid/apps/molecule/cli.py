@@ -1,0 +1,108 @@
+"""The command line of `hapgrid molecule`."""
+
+from hapgrid.apps.common.cli import EXIT_CODES, Parser, UsageError, formatter, guarded, number
+from hapgrid.apps.common.files import Failed
+
+from . import resolution
+
+GFN2_ATOMS = 24  # up to which GFN2-xTB is taken
+# Those that both methods know. To xtb benzene is toluene.
+SOLVENTS = "acetone acetonitrile ch2cl2 chcl3 cs2 dmf dmso ether hexane methanol thf toluene water".split()
+
+ABOUT = """\
+Makes a verified grid of a molecule, with pictures, from the molecule's file.
+Everything goes to the folder DIR. A run that was stopped continues there.
+A file in DIR that you change is kept, and the same command computes again what
+depends on it. DIR can be renamed and copied. The steps are:
+
+  molecule     The file is read; hydrogens and a shape are added if missing.
+  structures   xtb finds the conformation and the barriers around the bonds.
+  choice       The lowest barriers are chosen whose paths can be combined
+               without colliding atoms (with --basins, with minima behind them).
+  resolution   A coarse grid shows the box and the spacing that are needed.
+  grid         The grid is computed and verified.
+  way          A way of the probe that turns one torsion, there and back.
+"""
+
+AFTERWARDS = f"""\
+Files in DIR, where NAME is the folder's name when it was new:
+  index.html       summary, and the molecule as it is pushed
+  rotors.tsv       the bonds that were tried, taken and left out, and why
+  NAME.toml        definition of the grid; NAME.grid is the grid itself
+  verify.txt       report of verify
+  *.xyz            conformation and paths; report.tsv has their energies
+  path-*.txt       ways of the probe
+
+Rings keep their shape, unless paths lead between the minima of an ensemble. Of
+several molecules or records the largest is taken, with at most 100 atoms. The
+same molecule gives the same grid on each machine.
+
+{EXIT_CODES}
+
+examples:
+  hapgrid molecule ibuprofen.sdf -o ibuprofen -j 2
+  hapgrid molecule --smiles 'CC(C)O' -o propanol
+  hapgrid molecule loop.pdb -o loop --keep-conformation --until definition
+"""
+
+
+def parser():
+    p = Parser(prog="hapgrid molecule", description=ABOUT, epilog=AFTERWARDS, formatter_class=formatter,
+               allow_abbrev=False, usage="hapgrid molecule (FILE | --smiles SMILES) -o DIR [options]")
+    p.add_argument("file", metavar="FILE", nargs="?", help="file of the molecule: .sdf, .mol, .mol2, .pdb or .xyz")
+    p.add_argument("--smiles", help="molecule as SMILES, whose conformers are searched")
+    p.add_output("processes and threads")
+    p.add_argument("--charge", type=number(-9, 9, int), metavar="E",
+                   help="total charge (default: what the file says)")
+    p.add_argument("--uhf", type=number(0, 9, int), metavar="N",
+                   help="number of unpaired electrons of a radical (default: what the file says); with --charge, "
+                   "bonds that do not fit are taken as they are")
+    p.add_argument("--method", choices=("auto", "gfn2", "gfnff"), default="auto",
+                   help=f"method of xtb: gfn2 is GFN2-xTB, gfnff the force field GFN-FF, and auto (default) takes gfn2 up to "
+                   f"{GFN2_ATOMS} atoms")
+    p.add_argument("--solvent", type=str.lower, choices=SOLVENTS, metavar="NAME",
+                   help=f"solvent around the molecule by xtb's GBSA: {', '.join(SOLVENTS)} (default: none)")
+    p.add_argument("--single-points", metavar="COMMAND",
+                   help="program that gives the energies along the paths instead of xtb: it gets the name of an XYZ file, "
+                   "and its last line is the energy in hartree; single-point-ase asks ASE")
+    p.add_argument("--search", action="store_true",
+                   help="look for the lowest conformer instead of keeping that of FILE")
+    p.add_argument("--keep-conformation", action="store_true",
+                   help="do not restart from a lower minimum when a barrier leads to one")
+    p.add_argument("--highest", type=number(1, 1000), default=150.0, metavar="KJ_MOL",
+                   help="highest barrier that is looked for, in kJ/mol (default: 150)")
+    p.add_argument("--paths", type=number(0, 16, int), metavar="N", default=6,
+                   help="largest number of paths that are taken (default: 6)")
+    p.add_argument("--basins", action="store_true",
+                   help="continue paths beyond their barriers into the minima behind them; of an ensemble in an XYZ "
+                   "file, look for paths between its minima")
+    p.add_argument("--torsions", metavar="NAMES",
+                   help="bonds that may turn, as rotors.tsv names them, with commas between (default: all); "
+                   "NAME-plus and NAME-minus turn in one direction only")
+    p.add_argument("--spacing", type=number(0.1, 3), metavar="H",
+                   help="spacing of the grid in angstrom (default: that at which shapes are off by at most "
+                   f"{resolution.WANTED:g} in 99 of 100 places, {resolution.COARSEST:g} at most, but at most {resolution.MOST_POINTS} points; with "
+                   f"--basins {resolution.FINEST:g}, but at most {resolution.MOST_POINTS_BETWEEN_BASINS} points)")
+    p.add_until("structures", "definition")
+    return p
+
+
+def _options(arguments):
+    o = parser().parse_args(arguments)
+    if (o.smiles is None) == (o.file is None):
+        raise UsageError("give either FILE or --smiles (see --help)")
+    if o.smiles is not None and o.search:
+        raise UsageError("--search: conformers of --smiles are searched anyway (see --help)")
+    return o
+
+
+def _run(options):
+    from . import optimise, steps, xtb  # want RDKit and more, and --help does not
+    try:
+        return steps.run(options)
+    except (xtb.XtbError, optimise.NoPath) as why:
+        raise Failed(why) from None
+
+
+def main(arguments):
+    return guarded("molecule", _options, _run, arguments)

@@ -1,0 +1,120 @@
+"""The box of a grid and its MODEL.toml."""
+
+import math
+import tomllib
+from dataclasses import dataclass
+
+import numpy as np
+from hapgrid.apps.common import files
+
+from .elements import RADII
+from .molecule import BadInput
+from .stiffness import Stiffness
+from .xtb import BOHR
+
+PROBE = 1.2  # angstrom
+PENALTY = 100  # kJ/(mol Å²)
+CLEAR = 0.3  # angstrom from touching, where a push begins; and a cell more, which is then at rest
+MAX_LEVELS = 64
+# The definition's comment on the stiffness.
+WHY = """\
+# From the Hessian at the conformation: where a torsion moves an atom farthest the anchors yield half as
+# far as the torsion does. They are softer where they would have more than half the penalty, or where a
+# grid broke a rule. The stabiliser leads back from the barriers.
+"""
+COARSE_POINTS = 14  # along the longest side of the first grid
+LEAST_POINTS = 8
+
+
+@dataclass
+class Definition:
+    """low, high: corners of the box, angstrom. paths: names of files without their ending; of a definition that was changed
+    by hand nothing else is here. torsions: those that the paths turn; seconds: that the grid takes, about, where that is
+    known."""
+    title: str
+    paths: list
+    low: np.ndarray = None
+    high: np.ndarray = None
+    spacing: float = 1.0
+    torsions: tuple = ()
+    basins: bool = False  # whether paths go on behind their saddles
+    stiffness: Stiffness = Stiffness()
+    seconds: float = None
+
+    @classmethod
+    def around(cls, molecule, result, paths, basins=False, spacing=0.0, room=()):
+        """The box around all shapes of the paths that are taken, with the probe around them, and the room in which a push
+        begins. spacing: of the grid, where it is known already; room: how much more each side needs, low x, y, z and high x,
+        y, z, since the molecule yields when it is pushed (grids.py)."""
+        radius = np.array([RADII[z] for z in molecule.numbers])[:, None]
+        shapes = [result.x] + [node for f in result.found if f.name in paths for node in f.nodes]
+        x = np.array(shapes) * BOHR
+        low = (x - radius).min(axis=(0, 1)) - PROBE - CLEAR
+        high = (x + radius).max(axis=(0, 1)) + PROBE + CLEAR
+        # COARSE_POINTS are of a grid that goes a cell farther on each side.
+        cell = spacing or round(math.ceil(float((high - low).max()) / (COARSE_POINTS - 3) / 0.05 - 1e-9) * 0.05, 2)
+        more = np.reshape(room or np.zeros(6), (2, 3))
+        return cls(f"{molecule.formula}, {len(molecule.numbers)} atoms", paths, low - cell - more[0],
+                   high + cell + more[1], cell, basins=basins)
+
+    def counts(self):
+        cells = np.ceil((self.high - self.low) / self.spacing - 1e-9).astype(int)
+        return [max(int(n) + 1, LEAST_POINTS) for n in cells]
+
+    def text(self):
+        why = "" if self.basins or not self.paths else WHY
+        origin = (self.low + self.high - (np.array(self.counts()) - 1) * self.spacing) / 2
+        paths = "".join(f'  "{name}.xyz",\n' for name in self.paths)
+        if self.paths:
+            kind = "that goes on behind its barriers" if self.basins else "to a barrier"
+            paths = f"transition_states = [     # each the nodes of a path {kind}\n{paths}]\n"
+        names = "".join(f'  "{t.name} {" ".join(str(a + 1) for a in t.atoms)}",\n' for t in self.torsions)
+        if names:
+            names = f"torsions = [              # what pictures name: four atoms by their numbers, from 1\n{names}]\n"
+        return f"""\
+# {self.title}: made by `hapgrid molecule`, which keeps what is changed here and computes the
+# grid anew when it is run again. Lengths in Å.
+
+[model]
+plugin = "molecule"
+
+[model.files]             # XYZ texts beside this file; the grid carries their contents
+conformation = "conformation.xyz"
+{paths}
+[model.parameters]
+probe_radius = {PROBE}        # of the ball that is the HIP, Å
+penalty = {PENALTY}             # of the probe's overlap with an atom, kJ/(mol Å²)
+{why}shift_stiffness = {f"{self.stiffness.shift:g}":<7} # of the anchor that holds the molecule in its place, kJ/(mol Å²)
+rotation_stiffness = {f"{self.stiffness.rotation:g}":<4} # and of that which holds its orientation, kJ/(mol rad²)
+morph_stiffness = {f"{self.stiffness.morph:g}":<7} # stabiliser ½ m t² of each t, kJ/mol; no part of the molecule's energy
+substep = 0.05            # of the HIP between two minimisations, Å
+tolerance = 0.1           # states whose atoms are no farther apart, RMS, are one; Å
+force_scale = 0.025       # newtons on the device for 1 kJ/(mol Å)
+{names}
+[grid]
+origin = {[round(float(v), 4) for v in origin]}
+spacing = {self.spacing:g}
+counts = {self.counts()}
+
+[search]
+max_levels = {MAX_LEVELS}           # states that a grid point may have
+tears = false              # whether the search finds where the model snaps; play asks the model itself
+"""
+
+
+def paths_of(path):
+    """The paths that a definition names, changed by hand or not.
+    Errors: BadInput, where it is of another model or names a file that is not beside it."""
+    try:
+        with open(path, "rb") as file:
+            model = tomllib.load(file)["model"]
+        names = model["files"].get("transition_states", [])
+        texts = [model["files"]["conformation"], *names]
+        if model["plugin"] != "molecule" or not all(isinstance(name, str) for name in texts):
+            raise KeyError
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, KeyError, TypeError, AttributeError):
+        raise BadInput(f"{path}: is no definition of a molecule") from None
+    strange = next((name for name in texts if not files.is_plain(name)), None)
+    if strange is not None:
+        raise BadInput(f"{path}: names the file '{strange}': only files beside it are used, with plain names")
+    return [name.removesuffix(".xyz") for name in names]

@@ -1,0 +1,215 @@
+"""The grid: from the paths that are chosen to one that verify finds fine, after as many trials as that takes.
+
+Room is one of the things that can be wrong with a grid: how far the molecule can be pushed or turned before the probe slips
+past is measured, not guessed. Where a grid has a record at a side of its box in which the molecule is not in its place, the
+probe holds it there, and what lies behind is cut off. The box is then made a cell wider on that side.
+"""
+
+import json
+import math
+from dataclasses import asdict, astuple, dataclass, field, replace
+
+import numpy as np
+from hapgrid.apps.common import files, grid
+from hapgrid.apps.common.cli import BreaksRule
+from hapgrid.apps.common.files import Failed
+from hapgrid.apps.common.work import about, duration
+
+from . import choice, resolution, stiffness, xyz
+from .definition import Definition, MAX_LEVELS, PENALTY, paths_of
+from .xtb import BOHR, HARTREE
+
+VERIFY_SHARE = 0.15  # of the time that the grid took, about
+MOST_ROOM = 4.0  # angstrom that a side of the box is moved outwards, before no more room is looked for
+LONG = 900  # seconds: for a grid that takes longer a coarser one is named
+RIGID = 6  # the last numbers of a state: shift and rotation
+ROOM, RULE = "room", "rule"
+# What else is wrong with a grid, and what that means for its stiffest path: why expand cannot compute it, by the word that
+# it writes to the file of --cost, or that verify finds it broken where the anchors cannot be softer.
+HOPELESS = {"levels": f"with it a point has more than {MAX_LEVELS} states",
+            "model": "with it the molecule does not come to rest", RULE: "with it the grid breaks a rule"}
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Of a grid. kind: ROOM or one of HOPELESS; text: for people; sides: how much more room each side of the box needs,
+    low x, y, z and high x, y, z, angstrom."""
+    kind: str
+    text: str
+    sides: tuple = ()
+
+
+@dataclass(frozen=True)
+class Remedies:
+    """What was learnt from grids that had a fault. unwanted: paths, and why; softer: how many times softer anchors are
+    than the rule has them; sides: as in Fault."""
+    unwanted: dict = field(default_factory=dict)
+    softer: int = 1
+    sides: tuple = (0.0,) * 6
+
+    may_widen = property(lambda self: max(self.sides) < MOST_ROOM)
+
+    @classmethod
+    def of(cls, kept):
+        """Those that asdict() gave, or none where `kept` is something else: it may come from a stranger."""
+        try:
+            one = cls({str(k): str(why) for k, why in kept["unwanted"].items()}, int(kept["softer"]),
+                      tuple(map(float, kept["sides"])))
+        except (TypeError, ValueError, KeyError, AttributeError, OverflowError):
+            return cls()
+        return one if len(one.sides) == 6 and all(0 <= v < 100 for v in one.sides) and 0 < one.softer < 1 << 20 else cls()
+
+
+def make_grid(start, shapes):
+    """The Definition of the grid that has no fault, after as many as that takes. With --until definition its grid is not
+    there yet."""
+    kept = start.folder
+    name = kept.name()
+    toml = f"{name}.toml"
+    by_hand = kept.changed_by_hand(toml)
+    if by_hand:
+        kept.say(f"{toml} was changed by hand: it is kept")
+    key = [kept.digest("report.tsv"), start.options.paths, start.options.basins, start.options.spacing]
+    remedies = Remedies.of(kept.recall("remedies", key))
+    while True:
+        one, fault = (Definition(name, paths_of(kept.path(toml))), None) if by_hand else planned(start, shapes, remedies)
+        if fault is None and start.options.until is None:
+            # Where a coarse grid told the spacing it told the room, too.
+            fault = grid_fault(start, one, start.options.spacing and remedies.may_widen and not by_hand)
+        if fault is None:
+            return one
+        cured = None if by_hand else cure(remedies, fault, one)
+        if cured is None:
+            raise (BreaksRule if fault.kind == RULE else Failed)(fault.text)
+        remedies, words = cured
+        kept.remember("remedies", key, asdict(remedies))
+        kept.say("  " + words)
+
+
+def cure(remedies, fault, definition):
+    """(Remedies that also cure the fault of a grid, what is done in words), None where there is no cure."""
+    rule, paths = definition.stiffness, definition.paths
+    if fault.kind == ROOM:
+        more = tuple(a + b for a, b in zip(remedies.sides, fault.sides))
+        return replace(remedies, sides=more), f"{fault.text}, which is made wider"
+    if fault.kind == RULE and rule != rule.softer(2):
+        # Where the molecule cannot yield, the probe goes through it, and the spacing does not resolve that.
+        return replace(remedies, softer=2 * remedies.softer), f"{fault.text}: anchors half as stiff are tried"
+    if fault.kind in HOPELESS and paths:
+        stiffest, why = paths[-1], HOPELESS[fault.kind]
+        return Remedies({**remedies.unwanted, stiffest: why}), f"{stiffest} is left out: {why}"
+    return None
+
+
+def planned(start, shapes, remedies):
+    """(the Definition of the grid, the Fault of its coarse grid or None)."""
+    o, kept = start.options, start.folder
+    paths = choice.choose(start, shapes, remedies.unwanted)
+    one = Definition.around(start.molecule, shapes, paths, o.basins, o.spacing or 0.0, remedies.sides)
+    one.torsions = start.turned_by(paths)
+    one.stiffness = stiffness_of(start, shapes, paths, remedies.softer)
+    if not o.spacing:
+        one, fault = resolved(start, shapes, one, remedies.may_widen)
+        if fault is not None:
+            return one, fault
+    text = one.text()
+
+    def compute():
+        kept.write(f"{kept.name()}.toml", text)
+        return [f"{kept.name()}.toml"]
+    kept.step("definition", f"writing {kept.name()}.toml", [], [text, kept.name()], compute)
+    return one, None
+
+
+def stiffness_of(start, shapes, paths, softer):
+    kept = start.folder
+    if not paths or start.options.basins:
+        return stiffness.Stiffness()
+
+    def compute():
+        kept.say("computing how stiff the torsions are")
+        surface = start.surface(shapes.x)
+        tangents = [stiffness.tangent(surface.tree, [node * BOHR for node in f.nodes], f.start, surface.masses)
+                    for f in shapes.found if f.name in paths]
+        hessian = surface.hessian(shapes.x) * HARTREE / BOHR**2
+        return astuple(stiffness.rule(hessian, shapes.x * BOHR, surface.masses, tangents, PENALTY).rounded())
+    digests = [kept.digest(name) for name in ("conformation.xyz", *(name + ".xyz" for name in paths))]
+    key = ["stiffness", kept.version, start.words, start.molecule.charge, start.molecule.unpaired, digests]
+    return kept.kept.take(key, compute, lambda values: stiffness.Stiffness(*map(xyz.finite, values))).softer(softer)
+
+
+def resolved(start, shapes, coarse, may_widen):
+    """(the Definition with the spacing that a coarse grid tells, the Fault of the coarse grid or None)."""
+    kept, threads = start.folder, start.options.threads
+    text = coarse.text()
+
+    def compute():
+        kept.write("coarse.toml", text)
+        what = f"computing a coarse grid, {coarse.spacing:g} Å, from which the box and the spacing follow"
+        fault = computed(start, what, "coarse", None, may_widen)
+        if fault is not None:
+            return fault
+        kept.write("coarse.json", resolution.measure(start, "coarse.grid"))
+        return ["coarse.toml", "coarse.grid", "coarse.grid.cost", "coarse.json"]
+    fault = kept.step("resolution", "", shapes.files(), [text, resolution.WANTED], compute)
+    if fault is not None:
+        return coarse, fault
+    spacing = resolution.decide(kept.read("coarse.json"), coarse)
+    seconds = resolution.scaled(grid.cpu_seconds(kept, "coarse.grid") / threads, coarse.spacing, spacing)
+    one = replace(coarse, spacing=spacing, seconds=seconds)
+    kept.say(f"  spacing {spacing:g} Å, {math.prod(one.counts())} points, {about(seconds, threads)}")
+    if seconds > LONG:
+        coarser = resolution.coarser(spacing)
+        points = math.prod(replace(coarse, spacing=coarser).counts())
+        kept.say(f"  where that is too long: --spacing {coarser:g} has {points} points and takes about "
+                 f"{duration(resolution.scaled(seconds, spacing, coarser))}, but its shapes are farther off")
+    return one, None
+
+
+def computed(start, what, name, seconds, look_for_room):
+    """Computes a grid; its Fault, or None. seconds: that it takes, where they are known."""
+    kept, threads = start.folder, start.options.threads
+    seconds = seconds or grid.estimated(kept, f"{name}.toml", threads)
+    kept.say(what + (", " + about(seconds, threads) if seconds else ""))
+    failed = grid.compute(kept, what, f"{name}.toml", f"{name}.grid", threads, seconds)
+    if failed is not None:
+        return Fault(*failed)
+    return short_of_room(kept, f"{name}.grid") if look_for_room else None
+
+
+def short_of_room(folder, made):
+    """The Fault of a grid at whose sides the molecule is held, or None."""
+    array = ".room.npy"
+    try:
+        folder.run("stats", made, "--npy", array)
+        records = np.load(folder.path(array))
+    finally:
+        files.remove(folder.path(array))
+    box = json.loads(folder.run("stats", made, "--get", "box").out)
+    # Where the molecule is out of its place something holds it there.
+    point = records["point"][(records["state"][:, -RIGID:] != 0).any(axis=1)]
+    sides, spacing = np.array([point == 0, point == np.array(box["counts"]) - 1]).any(axis=1).ravel(), box["spacing"]
+    if not sides.any():
+        return None
+    return Fault(ROOM, "the molecule is pushed as far as a side of the box", tuple((spacing * sides).tolist()))
+
+
+def grid_fault(start, definition, look_for_room):
+    """Computes and verifies the grid; its Fault, or None."""
+    o, kept = start.options, start.folder
+    name = kept.name()
+    toml, made = f"{name}.toml", f"{name}.grid"
+
+    def compute():
+        what = f"computing {made}, how the molecule yields at each place of the probe"
+        return computed(start, what, name, definition.seconds, look_for_room) or [made, f"{made}.cost"]
+    fault = kept.step("grid", "", [toml, "conformation.xyz", *(path + ".xyz" for path in definition.paths)], [], compute)
+    if fault is not None:
+        return fault
+    title = "checking that the grid is whole and that its states are the model's"
+
+    def verify():
+        seconds = VERIFY_SHARE * grid.cpu_seconds(kept, made) / o.threads
+        fine = grid.verify(kept, title, made, o.threads, seconds)
+        return ["verify.txt"] if fine else Fault(RULE, f"{made} breaks a rule: see {kept.path('verify.txt')}")
+    return kept.step("verify", title, [made], [], verify)

@@ -1,0 +1,151 @@
+"""A molecule, its force field, and sampling its conformers, with RDKit."""
+
+import numpy as np
+from hapgrid.apps.common.files import Failed
+from rdkit import Chem, RDLogger
+from rdkit.Chem import rdDistGeom, rdForceFieldHelpers, rdMolDescriptors
+from rdkit.ForceField import rdForceField  # Python must know the type of force fields
+
+RDLogger.DisableLog("rdApp.*")  # what it says is for programmers
+
+MOST_BYTES = 8 << 20  # of a file from outside
+STEPS = 500  # of the force field for a conformer
+SEED, TRIES, ITERATIONS = 1, 100, 20  # of distance geometry
+AMIDE = "[CX3](=O)-[#7]"
+NAMED = 5  # of a list, at most
+
+
+class BadInput(Failed):
+    """A molecule that cannot be read or built; the message names it."""
+
+
+class Molecule:
+    """numbers: elements; positions: angstrom; neighbours: of each atom; double: pairs (j < k) of the bonds that do not turn,
+    which are double bonds and amides; charge: e; unpaired: electrons; built: whether its shape was; said: what was decided
+    when it was read, in lines; formula: with the charge; rd: RDKit's molecule."""
+
+    def __init__(self, what, numbers, positions, charges, bonds, charge, unpaired=0, built=False, said=()):
+        """charges: of the atoms; bonds: (atom, atom, order 1, 2 or 3)."""
+        self.numbers = [int(z) for z in numbers]
+        self.positions = np.array(positions, float).reshape(-1, 3)
+        if len(self.numbers) < 2 or 0 in self.numbers:
+            raise BadInput(f"{what}: not a molecule of two atoms or more")
+        self.rd = rdkit_molecule(self.numbers, charges, bonds)
+        if len(Chem.GetMolFrags(self.rd)) > 1:
+            raise BadInput(f"{what}: more than one molecule")
+        self.charge, self.unpaired, self.built, self.said = charge, unpaired, built, said
+        self.formula = rdMolDescriptors.CalcMolFormula(self.rd)
+        self.neighbours = neighbours_of(self.rd)
+        amides = [tuple(sorted(match[::2])) for match in self.matches(AMIDE)]
+        self.amides = [a for a in amides if not self.rd.GetBondBetweenAtoms(*a).IsInRing()]
+        self.double = {*amides, *((min(j, k), max(j, k)) for j, k, order in bonds if order != 1)}
+
+    def matches(self, smarts):
+        """The atoms, counted from 0, of each place that a pattern matches."""
+        return [tuple(m) for m in self.rd.GetSubstructMatches(Chem.MolFromSmarts(smarts), maxMatches=10000)]
+
+    def rings(self):
+        """The atoms, counted from 0, of each of the smallest rings, in the order of its bonds."""
+        return [list(ring) for ring in Chem.GetSSSR(self.rd)]
+
+
+def unsanitized(numbers, charges, bonds):
+    """RDKit's molecule of atoms that get no other hydrogens. bonds: (atom, atom, order)."""
+    rd = Chem.RWMol()
+    for z, charge in zip(numbers, charges):
+        atom = Chem.Atom(int(z))
+        atom.SetFormalCharge(int(charge))
+        atom.SetNoImplicit(True)
+        rd.AddAtom(atom)
+    for j, k, order in bonds:
+        rd.AddBond(int(j), int(k), Chem.BondType.values[order])
+    return rd
+
+
+def rdkit_molecule(numbers, charges, bonds):
+    """The same, sanitized. Where RDKit knows no such valences it has them all the same."""
+    for leave in (Chem.SANITIZE_NONE, Chem.SANITIZE_PROPERTIES, Chem.SANITIZE_PROPERTIES | Chem.SANITIZE_KEKULIZE):
+        one = Chem.Mol(unsanitized(numbers, charges, bonds))
+        if Chem.SanitizeMol(one, Chem.SANITIZE_ALL ^ Chem.SANITIZE_CLEANUP ^ leave, catchErrors=True) == Chem.SANITIZE_NONE:
+            return one
+    raise BadInput("a molecule whose bonds RDKit does not understand")
+
+
+def placed(rd, positions):
+    """A copy of RDKit's molecule with these coordinates alone, angstrom."""
+    rd = Chem.Mol(rd)
+    rd.RemoveAllConformers()
+    conformer = Chem.Conformer(rd.GetNumAtoms())
+    conformer.Set3D(True)
+    for n, place in enumerate(np.asarray(positions, float)):
+        conformer.SetAtomPosition(n, place)
+    rd.AddConformer(conformer)
+    return rd
+
+
+def relaxed(rd, positions, steps, fixed=()):
+    """(energy, positions in angstrom) after some steps with MMFF94, or with UFF where that has no parameters; as they
+    are where neither has. Energies of one molecule can be compared with each other. fixed: atoms that stay."""
+    rd = placed(rd, positions)
+    field: rdForceField.ForceField = None
+    try:
+        properties = rdForceFieldHelpers.MMFFGetMoleculeProperties(rd)
+        if properties is not None:
+            field = rdForceFieldHelpers.MMFFGetMoleculeForceField(rd, properties)
+        elif rdForceFieldHelpers.UFFHasAllMoleculeParams(rd):
+            field = rdForceFieldHelpers.UFFGetMoleculeForceField(rd)
+    except Chem.MolSanitizeException:  # of valences that no force field knows
+        pass
+    if field is None:
+        return 0.0, np.array(positions, float)
+    field.Initialize()
+    for atom in fixed:
+        field.AddFixedPoint(int(atom))
+    try:
+        field.Minimize(maxIts=steps, forceTol=1e-4, energyTol=1e-7)
+    except RuntimeError:  # in its minimum already it finds no direction
+        pass
+    return field.CalcEnergy(), np.array(field.Positions()).reshape(-1, 3)
+
+
+def signed(charge):
+    return f"{charge:+d}" if charge else "0"
+
+
+def listed(words):
+    return ", ".join(words[:NAMED]) + (f" and {len(words) - NAMED} more" if len(words) > NAMED else "")
+
+
+def numbers_of(rd):
+    return [a.GetAtomicNum() for a in rd.GetAtoms()]
+
+
+def places_of(rd):
+    return rd.GetConformer().GetPositions() if rd.GetNumConformers() else np.zeros((rd.GetNumAtoms(), 3))
+
+
+def neighbours_of(rd):
+    """Of each atom, ascending."""
+    return [sorted(n.GetIdx() for n in a.GetNeighbors()) for a in rd.GetAtoms()]
+
+
+def is_flat(x):
+    return len(x) > 3 and np.ptp(x[:, 2]) < 0.01
+
+
+def conformers(molecule, number):
+    """Up to `number` shapes (angstrom) by distance geometry, relaxed by the force field, the lowest first, none twice. Torsions
+    are drawn without the preferences of ETKDG, which are those of crystals.
+
+    Open Babel's Confab leaves hydroxyl groups as they are: its lowest ethylene glycol is 1.6 kcal/mol above the one that this
+    finds.
+    """
+    rd, options = placed(molecule.rd, molecule.positions), rdDistGeom.KDG()
+    Chem.AssignStereochemistryFrom3D(rd)
+    options.randomSeed, options.maxIterations = SEED, ITERATIONS
+    embedded = [rd.GetConformer(n).GetPositions() for n in rdDistGeom.EmbedMultipleConfs(rd, TRIES, options)]
+    found = {}
+    for x in [molecule.positions, *embedded]:
+        energy, x = relaxed(molecule.rd, x, STEPS)
+        found.setdefault(round(energy, 2), x)  # equal energies are those of one shape, or of its mirror image
+    return [found[energy] for energy in sorted(found)[:number]]

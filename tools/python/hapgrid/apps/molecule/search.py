@@ -1,0 +1,198 @@
+"""The steps from a molecule to the paths around its conformation. Each is kept, so that a run that was stopped goes on."""
+
+from dataclasses import replace
+
+import numpy as np
+from hapgrid.apps.common.files import Failed
+from hapgrid.apps.common.programs import raise_if_stopped, workers
+
+from . import geometry, optimise, path, rotors, torsions
+from .molecule import conformers
+from .results import Dropped, Ends, Path, Point, Result, SAME_SHAPE, plain, restored
+from .xtb import BOHR, HARTREE, XtbError
+
+SAME_ENERGY = 0.02  # kJ/mol
+CONFORMERS = 4  # of the lowest by the force field, which xtb relaxes
+AWAY = 0.1  # bohr: how far from a saddle the ways down from it begin, and their longest step
+
+_search = None  # of this process and of those that it starts
+
+
+def _ask(question):
+    method, kind, value = question
+
+    def compute():
+        try:
+            return method(_search, value)
+        except (optimise.NoPath, XtbError) as why:
+            return Dropped(str(why), isinstance(why, optimise.TurnsFreely))
+    if kind is None:
+        return compute()
+    inputs = [method.__name__, plain(value), _search.x.tolist(), _search.start.options.highest]
+    return _search.kept([kind, Dropped], inputs, compute)
+
+
+class Search:
+    """torsions: all that could turn; driven: those that are turned; jobs: {name of a path: (one of these, direction, None for
+    both)}. shapes: [(number of a frame, shape in angstrom)] of an ensemble, between whose minima paths are looked for."""
+
+    def __init__(self, start, shapes):
+        self.start, self.molecule, self.shapes = start, start.molecule, shapes
+        self.torsions, self.driven = rotors.find(start.molecule), start.turning
+        self.jobs = {t.file_name(sign): (t, sign) for t in self.driven for sign in t.signs}
+        if start.options.basins:
+            self.jobs = {t.name: (t, None) for t in self.driven if not t.rotor}
+
+    def say(self, text):
+        self.start.folder.say("  " + text)
+
+    def each(self, what, method, values, kind=None):
+        """(value, method(self, value) or a Dropped) in the order of the values, computed by several processes. kind: of the
+        results, where they are kept for these values and this conformation."""
+        global _search
+        _search, values = self, list(values)
+        if not values:
+            return
+        tell = self.start.folder.counted(what, len(values))
+        threads = min(self.start.options.threads, len(values))
+        with workers(threads) as pool:
+            raise_if_stopped()
+            for done, result in enumerate(pool.imap(_ask, [(method, kind, value) for value in values]), 1):
+                tell(done)
+                yield values[done - 1], result
+
+    def result(self, found, dropped):
+        """dropped: without those that a path has, whose bond it turns though another one was driven."""
+        have = {one.name for one in found}
+        return Result(self.molecule.numbers, self.surface.masses, self.start.words, self.driven, self.x, self.energy,
+                      self.rest.nu1, found, [(name, why) for name, why in dropped if name not in have])
+
+    def kept(self, types, inputs, compute):
+        """The result of compute(), of one of these types, which is computed once. inputs: the step's name, and what it
+        depends on besides the molecule."""
+        one, folder = self.molecule, self.start.folder
+        key = [folder.version, one.numbers, self.start.words, one.charge, one.unpaired, *inputs]
+        return folder.kept.take(key, lambda: plain(compute()), lambda value: restored(types, value, len(one.numbers)))
+
+    # The conformation
+
+    def find_conformation(self, keep):
+        """Sets rest, its x and energy, and the surface. keep: relax the molecule's shape to the nearest minimum instead of
+        looking for the lowest one."""
+        shapes = [] if self.start.options.keep_conformation else [x for _, x in self.shapes]
+        near = self.kept([Point], ["conformer", self.molecule.positions.tolist(), keep, plain(shapes)],
+                          lambda: self._conformer(keep, shapes))
+        # GFN-FF must read its bonds off a shape like the conformation, not off the shape from which it was found: then
+        # one run of xtb on the conformation's file gives the same energy in most cases. Not in all: at an amine's nitrogen
+        # GFN-FF's terms depend on which of three bonds is the shortest, and that may change from each minimum to the next.
+        # So the surface on which this is a minimum remains that of the search.
+        self.surface = self.start.surface(near.x)
+        self.rest = self.kept([Point], ["conformation", near.x.tolist()], lambda: self._conformation(near.x))
+        self.x, self.energy = self.rest.x, self.rest.energy
+
+    def _conformation(self, x):
+        x = geometry.on_principal_axes(optimise.minimum(self.surface, x).x, self.surface.masses)
+        return optimise.point(self.surface, geometry.as_in_file(x))
+
+    def _conformer(self, keep, shapes):
+        """A minimum on its own surface."""
+        starts = shapes or ([self.molecule.positions] if keep else conformers(self.molecule, CONFORMERS))
+        best, reason = None, ""
+        tie = SAME_ENERGY / HARTREE if shapes else 0.0  # of equal minima of an ensemble the first is taken
+        for n, (_, one) in enumerate(self.each("relaxing conformers", Search.relax, starts), 1):
+            if isinstance(one, Dropped):
+                reason = one.why
+                self.say(f"conformer {n}: left out: {reason}")
+            elif best is None or one[0] < best[0] - tie:
+                best = one
+        if best is None:
+            charges = [atom.GetFormalCharge() for atom in self.molecule.rd.GetAtoms()]
+            if self.start.options.solvent is None and max(charges) > 0 > min(charges):
+                reason += "; a zwitterion needs water: give --solvent water, or the neutral form"
+            raise Failed(f"no conformation: none of the start structures relaxes: {reason}")
+        return optimise.minimum(self.start.surface(best[1]), best[1])
+
+    def relax(self, start):
+        """(energy, x) of a shape in angstrom, on its own surface. Errors: optimise.NoPath"""
+        surface, x = self.start.surface(start / BOHR), start / BOHR
+        x, energy, _ = optimise.search(surface, x, surface.hessian(x), tolerance=1e-4, steps=400, renew=surface.hessian,
+                                       every=50)
+        if not self.intact(x):
+            raise optimise.NoPath("its bonds change")
+        return energy, x
+
+    # Shapes
+
+    def intact(self, x):
+        return geometry.bonds_of(self.molecule.numbers, x * BOHR) == self.molecule.neighbours
+
+    def above(self, energy):
+        """kJ/mol above the conformation."""
+        return (energy - self.energy) * HARTREE
+
+    def apart(self, x, y):
+        """Root mean square distance of two shapes."""
+        return geometry.rms(geometry.aligned(x, y, self.surface.masses), y)
+
+    def same(self, x, y):
+        return self.apart(x, y) < SAME_SHAPE
+
+    # Saddles
+
+    def driven_over(self, minimum, torsion, sign):
+        """The Ends of the first saddle on the way of a torsion from a minimum, on whose side the near one is."""
+        left = self.start.options.highest / HARTREE - (minimum.energy - self.energy)
+        return self.ends(self.climbed(*torsions.scan(self.surface, minimum, torsion, sign, highest=left)), minimum.x)
+
+    def climbed(self, guess, tangent):
+        """The saddle near a guess. Errors: optimise.NoPath where that is none between two shapes of this molecule."""
+        one = optimise.saddle(self.surface, guess, tangent)
+        count = int((optimise.wave_numbers(one.hessian, one.x, self.surface.masses) < 0).sum())
+        if count != 1:
+            raise optimise.NoPath(f"{count} imaginary frequencies")
+        if not self.intact(one.x):
+            raise optimise.NoPath("bonds change")
+        return one
+
+    def ends(self, saddle, a, b=None):
+        """The Ends of a saddle, of which the near one is like shape a, and the far one like b, where that is given."""
+        masses = self.surface.masses
+        _, vectors = optimise.projected(saddle.hessian, saddle.x, masses)
+        mode = (vectors[:, 0] / np.repeat(np.sqrt(masses), 3)).reshape(-1, 3)
+        sides = []
+        for sign in (AWAY, -AWAY):
+            passed = [saddle.x, saddle.x + sign * mode / np.linalg.norm(mode)]
+            one = optimise.minimum(self.surface, passed[1], saddle.hessian, longest=AWAY, passed=passed)
+            sides.append((one, passed))
+        out = min((Ends(saddle, near, far, up[::-1], down) for (near, up), (far, down) in (sides, sides[::-1])),
+                  key=lambda ends: self.apart(ends.near.x, a) + (0 if b is None else self.apart(ends.far.x, b)))
+        out.far.x = geometry.aligned(out.far.x, self.x, masses)
+        return out
+
+    def to_barrier(self, job):
+        """The Path to the first barrier of a torsion; where its `why` says that it is none, without nodes between."""
+        torsion, sign = self.jobs[job]
+        ends = self.driven_over(self.rest, torsion, sign)
+        out = Path([self.x, ends.saddle.x], [self.energy, ends.saddle.energy], nu1=ends.saddle.nu1, near=ends.near,
+                   far=ends.far)
+        turns = self.turns_back(ends.near)
+        if turns is None:
+            at, one, two = (f"{self.above(p.energy):.2f} kJ/mol" for p in (ends.saddle, ends.near, ends.far))
+            return replace(out, why=f"the saddle at {at} joins other minima, at {one} and {two}")
+        try:
+            out.nodes, out.energies = path.nodes(self.surface, ends.up, self.rest, turns=turns)
+        except optimise.NoPath as why:
+            out.why = str(why)
+        return out
+
+    def turns_back(self, near):
+        """[(methyl group, angle)] that make the conformation of the near side of a saddle, since such groups may turn freely;
+        None where that is another minimum."""
+        out, x = [], near.x
+        if self.same(x, self.x):
+            return out
+        for t in self.torsions:
+            if t.rotor:
+                out.append((t, geometry.torsion(self.x, *t.atoms) - geometry.torsion(x, *t.atoms)))
+                x = t.turned(x, out[-1][1])
+        return out if abs(self.above(near.energy)) < torsions.LEAST_BARRIER and self.same(x, self.x) else None

@@ -1,0 +1,168 @@
+"""The steps from a molecule's file to the page. Each is a function from the results of those before it to its own;
+what it computes is kept as files, which the user may change, so its result is what the files say."""
+
+import itertools
+import os
+import time
+import timeit
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from hapgrid.apps.common.files import Failed, digest_of, read_bytes
+from hapgrid.apps.common.work import Work, about
+
+from . import files, geometry, grids, molecule, optimise, page, pushing, reading, rotors, singles, structures
+from .cli import GFN2_ATOMS
+from .molecule import signed
+from .xtb import BOHR, Surface, XtbError, load
+
+ENSEMBLE = 8  # frames of an ensemble between which paths are looked for
+# Gradients of xtb in units of a Hessian, which are measured: of butane, pentane, propan-2-ol and ethanol 9 to 16 for each way
+# of a bond, and 21 where it goes on behind its barriers; as many for the conformation. Of a flexible molecule some ways take
+# ten times as many, to hard saddles or lower minima: on the mean of methyl argininate, with 9 bonds beside methyl groups, twice.
+HESSIANS, HESSIANS_BEHIND = 15, 12
+FLEXIBLE = 8  # bonds beside methyl groups with which a way takes twice as many
+# What an optimiser's step takes besides its gradient, in shares of a step for each gradient: most gradients are a Hessian's.
+ALGEBRA = 0.09
+
+
+@dataclass
+class Start:
+    """The molecule that is felt, and what the steps have in common. options: of the command line; source: of the molecule, in
+    words; search: whether conformers are searched; method: of xtb; turning: bonds (torsions.Torsion)."""
+    options: object
+    folder: Work
+    molecule: molecule.Molecule
+    source: str
+    search: bool
+    method: str
+    turning: list
+
+    @property
+    def words(self):
+        return f"{self.method}-in-{self.options.solvent}" if self.options.solvent else self.method
+
+    def surface(self, x):
+        """xtb's. x: the conformation, bohr."""
+        return Surface(self.molecule.numbers, x, self.method, self.molecule.charge, self.tree, self.molecule.unpaired,
+                       self.options.solvent)
+
+    @cached_property
+    def tree(self):
+        return geometry.Tree(self.molecule.neighbours, self.molecule.numbers)
+
+    @cached_property
+    def points(self):
+        """The SinglePoints of --single-points, or None."""
+        command = self.options.single_points
+        return None if command is None else singles.SinglePoints(command, self.molecule, self.folder.kept)
+
+    def turned_by(self, paths):
+        return [t for t in self.turning if {t.name, *t.file_names()} & set(paths)]
+
+
+def run(options):
+    """Everything, or all until --until; the line for standard output."""
+    load()  # before all else: where xtb is missing, that is one line
+    start = read(options)
+    shapes = find_structures(start)
+    if options.until != "structures":
+        definition = grids.make_grid(start, shapes)
+        if options.until is None:
+            return show(start, shapes, definition.paths)
+    start.folder.say(f"stopped after the {options.until}: the same command without --until goes on")
+    return ""
+
+
+def read(o):
+    kept = Work("molecule", o.output, o.quiet)
+
+    def compute():
+        one = reading.read(o.file, o.smiles, o.charge, o.uhf)
+        for line in one.said:
+            kept.say("  " + line)
+        kept.enter()
+        kept.write("start.sdf", reading.sdf(one))
+        return ["start.sdf"]
+    text = digest_of(read_bytes(o.file, molecule.MOST_BYTES)) if o.file else o.smiles
+    kept.step("molecule", "", [], [text, o.charge, o.uhf], compute)
+    one, method = reading.started(kept.path("start.sdf")), o.method
+    if method == "auto":
+        method = "gfn2" if len(one.numbers) <= GFN2_ATOMS else "gfnff"
+    turning, rings = rotors.find(one), len(one.rings())
+    if o.torsions is not None:  # with basins paths go both ways
+        wanted = set(o.torsions.split(","))
+        unknown = sorted(wanted - {name for t in turning for name in ([t.name] if o.basins else [t.name, *t.file_names()])})
+        if unknown:
+            raise Failed(f"--torsions: no bond {unknown[0]} turns, only " + ", ".join(t.name for t in turning))
+        turning = [t if t.name in wanted else replace(t, signs=tuple(s for s in t.signs if t.file_name(s) in wanted))
+                   for t in turning]
+        turning = [t for t in turning if t.signs]
+    kept.say(f"  {one.formula}, {len(one.numbers)} atoms, charge {signed(one.charge)}, {len(turning)} bonds turn"
+             + (f"; {rings} rings stay as they are" if rings else ""))
+    source = os.path.basename(o.file) if o.file else f"SMILES {o.smiles}"
+    return Start(o, kept, one, source, o.search or one.built, method, turning)
+
+
+def find_structures(start):
+    o, kept = start.options, start.folder
+    frames = reading.ensemble(o.file) if o.basins else []  # between whose minima paths are looked for
+    shapes = [(n, x) for n, x in frames if len(x) == len(start.molecule.numbers)]
+    if len(shapes) > ENSEMBLE:
+        kept.say(f"  {len(shapes)} frames: the {ENSEMBLE} lowest are taken")
+    shapes = shapes[:ENSEMBLE]
+
+    def compute():
+        if o.method == "auto":
+            kept.say("  energies by " + ("GFN2-xTB" if start.method == "gfn2" else
+                     f"GFN-FF, as for all above {GFN2_ATOMS} atoms (--method gfn2 is better, and slower)"))
+        estimate(start)
+        one = structures.explore(start, shapes)
+        if start.points:
+            start.points.put_into(one, o.threads, kept)
+        return files.write_set(kept, one, f"hapgrid molecule: {start.source}, {start.method}, "
+                               f"charge {signed(start.molecule.charge)}, {start.molecule.unpaired} unpaired electrons")
+    kept.step("structures", "looking for the conformation and the barriers around it", ["start.sdf"],
+              [start.method, o.solvent, start.points and start.points.key, start.molecule.charge, start.molecule.unpaired,
+               start.search, o.highest, o.basins, o.keep_conformation, [name for t in start.turning for name in t.file_names()],
+               [x.tolist() for _, x in shapes]], compute)
+    return files.read_set(kept)
+
+
+def estimate(start):
+    """Says how long the structures take, within a factor of 2 or so, from the CPU time of a gradient and of a step: what else
+    the machine does is not known beforehand. Where xtb refuses the shape, the search itself says why."""
+    o, x = start.options, start.molecule.positions / BOHR
+    ways, soft = sum(len(t.signs) for t in start.turning), sum(not t.rotor for t in start.turning)
+
+    def takes(compute):
+        return min(timeit.repeat(compute, timer=time.process_time, number=1, repeat=5))
+    try:
+        surface, shifts = start.surface(x), itertools.count(1)
+        gradient = takes(lambda: surface.energy(x + 0.005 * next(shifts) * np.eye(*x.shape)))
+        step = takes(lambda: optimise.projected(np.eye(x.size), x))
+    except XtbError:
+        return
+    count = HESSIANS + ways * (HESSIANS + (HESSIANS_BEHIND if o.basins else 0)) * (1 + soft / FLEXIBLE)
+    cores = min(o.threads, max(ways, 1))
+    seconds = 2 * x.size * count * (gradient + ALGEBRA * step) / cores
+    start.folder.say(f"  {about(seconds, cores)} for conformation and barriers, more where a lower minimum is found")
+
+
+def show(start, shapes, paths):
+    """The line that shows the grid."""
+    o, kept = start.options, start.folder
+    grid = f"{kept.name()}.grid"
+    kept.step("pushing", "looking for the probe's ways that turn the molecule", [grid], [],
+              lambda: pushing.write(kept, grid, shapes, o.threads))
+    made = [n for n in kept.made("pushing") if n.endswith(".txt")]
+    if not made:
+        raise Failed(f"{kept.path(grid)}: no way of the probe is found that pushes the molecule; hapgrid feel shows the grid")
+    facts = [start.source, start.molecule.charge, start.molecule.unpaired, start.method]
+    kept.step("page", "writing the page", [grid, *made, "rotors.tsv", "report.tsv", "verify.txt"], facts,
+              lambda: page.write(start, start.turned_by(paths), made))
+    kept.say(f"done: {kept.in_shell('index.html')} sums up")
+    grid, way = kept.in_shell(grid), kept.in_shell(made[0])
+    kept.say(f"hapgrid feel {grid} is a page in which the mouse is the hand")
+    return f"hapgrid play {grid} --device path:{way} --rate 1000 --frames - | hapgrid view --web"

@@ -1,0 +1,58 @@
+"""Energies, gradients and Hessians of xtb, through its C library: starting the program takes longer than computing a point.
+
+Units here and in the other modules: bohr, hartree, and atomic mass units in mass-weighted
+coordinates. Positions are arrays (atoms, 3). Files and messages are in angstrom and kJ/mol.
+"""
+
+import numpy as np
+
+from hapgrid.apps.xtb import BOHR, HARTREE, Xtb, XtbError, load
+
+from .elements import MASSES
+
+__all__ = ["BOHR", "HARTREE", "Surface", "WAVE_NUMBER", "XtbError", "load"]
+
+# sqrt(hartree / (bohr^2 amu)) as a wave number, cm^-1
+WAVE_NUMBER = 5140.487144
+
+
+class Surface:
+    """The potential energy of one molecule.
+
+    positions: where the force field GFN-FF reads off its bonds. All later points of a molecule are
+    computed with these bonds; otherwise the energy would jump where two atoms come close.
+    tree: internal coordinates, see geometry.Tree. unpaired: electrons. solvent: around the
+    molecule, or None.
+    """
+
+    def __init__(self, numbers, positions, method="gfn2", charge=0, tree=None, unpaired=0, solvent=None):
+        numbers = [int(z) for z in numbers]
+        self.tree = tree
+        # Steps of a search between exact Hessians: where these are cheap they are computed often.
+        self.renewal = {"gfn2": 12, "gfnff": 3}[method]
+        self.masses = np.array([MASSES[z] for z in numbers])
+        self._xtb = Xtb(numbers, np.asarray(positions, float).ravel(), method, charge, unpaired, solvent)
+        self._results = self._xtb.new_results()
+
+    def __call__(self, positions):
+        """(energy, gradient (atoms, 3)) in hartree and bohr."""
+        positions = np.asarray(positions, float)
+        if not np.isfinite(positions).all():
+            raise XtbError("xtb: a position is not finite")
+        energy, gradient = self._xtb(positions.ravel(), self._results)
+        return energy, np.array(gradient).reshape(-1, 3)
+
+    def energy(self, positions):
+        return self(positions)[0]
+
+    def hessian(self, positions):
+        rows = self.differences(positions)
+        return (rows + rows.T) / 2
+
+    def differences(self, positions, step=0.005):
+        """The rows of the Hessian by central differences of the gradient. They are symmetric to 1e-4 hartree/bohr²:
+        a gradient with which they are not is wrong."""
+        flat = np.asarray(positions, float).ravel()
+        shifts = step * np.eye(flat.size)
+        return np.array([(self((flat + s).reshape(-1, 3))[1] - self((flat - s).reshape(-1, 3))[1]).ravel() / (2 * step)
+                         for s in shifts])

@@ -1,0 +1,130 @@
+"""XYZ texts of several frames, and the energies that their titles give.
+
+One rule holds here and in the model (tools/apps/molecule/input.cpp). A frame's energy above the conformation is `dE=` in
+kJ/mol, or else the difference between its `E=` (hartree; xtb writes `energy:`) and that in the conformation's title.
+Where a title gives both ways, they must agree to DIFFER: whoever changes one of them easily forgets the other.
+"""
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+from hapgrid.apps.common.files import read_text
+
+from . import geometry
+from .elements import NUMBERS, SYMBOLS
+from .molecule import BadInput
+from .xtb import BOHR, HARTREE
+
+DIFFER = 0.06  # kJ/mol; dE may be rounded to one decimal
+
+
+def words(title):
+    """What a title gives as KEY=VALUE, texts by their keys; xtb's `energy: VALUE` has the key E."""
+    out = dict(re.findall(r"(?:^|[ \t,;(])energy(:)[ \t]*([^\s,;)]+)", title))
+    out = {"E": out[":"]} if out else {}
+    out.update(re.findall(r"(?:^|[ \t,;(])([^\s=,;(]+)=[ \t]*([^\s,;)]+)", title))
+    return out
+
+
+@dataclass
+class Frame:
+    """x: positions (atoms, 3) in angstrom."""
+    title: str
+    numbers: list
+    x: np.ndarray
+
+    words = property(lambda self: words(self.title))
+
+
+def frames_of(text, what, say=lambda _: None):
+    """The Frames of a text, of whichever program. what: it is called in errors; say(line): tells what was put right. Errors:
+    BadInput."""
+    lines, at, out = text.rstrip().split("\n"), 0, []
+    atoms = {n: _atom(line, say) for n, line in enumerate(lines)}
+    while at < len(lines):
+        at = _frame(lines, atoms, at, what, say, out) if lines[at].strip() else at + 1
+    return out
+
+
+def _frame(lines, atoms, at, what, say, out):
+    """Adds the Frame that begins in line `at`, and returns the line after it. atoms: of each line that is one."""
+    if re.fullmatch(r"\s*\d{1,9}\s*", lines[at]):
+        count, first = int(lines[at]), at + 2
+        title = lines[at + 1] if at + 1 < len(lines) else ""
+        if atoms.get(at + 1) and not atoms.get(at + 1 + count):
+            say("the line of the title is missing: the atoms are taken from the line after their number on")
+            first, title = at + 1, ""
+    else:
+        title = "" if atoms[at] else lines[at]
+        first = at + bool(title)
+        count = next((n for n in range(first, len(lines)) if not atoms[n]), len(lines)) - first
+        if count:
+            say("the line with the number of atoms is missing: all lines of atoms are taken")
+    if count == 0:
+        raise BadInput(f"{what}: line {at + 1} has no atoms: not understood as XYZ")
+    last = first + count
+    other = next((n for n in range(first, last) if not atoms.get(n)), None)
+    if other is not None:
+        raise BadInput(f"{what}: line {other + 1} is no atom, but line {at + 1} says that {count} follow")
+    if (first > at + 1 or title == "") and atoms.get(last):
+        raise BadInput(f"{what}: line {at + 1} says that {count} atoms follow, but there are more")
+    numbers, x = [atoms[n][0] for n in range(first, last)], np.array([atoms[n][1:] for n in range(first, last)])
+    nearest = geometry.shares(numbers, x).min(axis=1)
+    if nearest.min() > 1.5 and nearest.max() < 2.2:  # as if bohr had been written for angstrom
+        say("the atoms are 1.9 times too far apart: the coordinates are taken to be in bohr")
+        x = x * BOHR
+    out.append(Frame(title, numbers, x))
+    return last
+
+
+def _atom(line, say):
+    """(atomic number, 0 for no known element, x, y, z) of a line, or None."""
+    words = line.split()
+    if any(re.fullmatch(r"[+-]?\d+,\d+", w) for w in words[1:4]):
+        say("decimal commas are read as points")
+        words = [w.replace(",", ".") for w in words]
+    elif "," in line:
+        words = line.replace(",", " ").split()
+    try:
+        x = [finite(re.sub("[dD]", "e", w)) for w in words[1:4]]
+    except ValueError:
+        return None
+    symbol = re.fullmatch(r"([A-Za-z]{1,2})\d*|(\d{1,3})", words[0]) if len(x) == 3 else None
+    if symbol is None:
+        return None
+    number = int(symbol[2]) if symbol[2] else NUMBERS.get(symbol[1].upper(), 0)
+    return (number if number < len(SYMBOLS) else 0, *x)
+
+
+def frames(path):
+    out = frames_of(read_text(path), path)
+    if not out:
+        raise BadInput(f"{path}: is empty")
+    return out
+
+
+def finite(text):
+    """The number of a text, or of what was read from JSON. Errors: ValueError, where it is no finite number."""
+    value = float(str(text))  # of an integer of 400 digits it is infinite
+    if not np.isfinite(value):
+        raise ValueError(text)
+    return value
+
+
+def above(given, conformation, where):
+    """kJ/mol above the conformation, by the words of both titles. Errors: BadInput, where there is no energy, or two that
+    differ."""
+    def number(given, key, where):
+        try:
+            return finite(given[key]) if key in given else None
+        except ValueError:
+            raise BadInput(f"{where}: {key}={given[key]} is no number") from None
+    rise, own, base = number(given, "dE", where), number(given, "E", where), number(conformation, "E", "conformation")
+    difference = None if None in (own, base) else (own - base) * HARTREE
+    if rise is None and difference is None:
+        raise BadInput(f"{where}: no energy: its title needs dE= (kJ/mol above the conformation), or E= (hartree) as "
+                       "the conformation's title has it")
+    if None not in (rise, difference) and abs(rise - difference) > DIFFER:
+        raise BadInput(f"{where}: dE= gives {rise:.6g} kJ/mol above the conformation, E= gives {difference:.6g}: remove one")
+    return difference if rise is None else rise

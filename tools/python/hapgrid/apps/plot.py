@@ -1,0 +1,149 @@
+"""hapgrid plot: pictures of grids and plays, by hapgrid.plot of the Python module."""
+import argparse
+import os
+import signal
+import sys
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # its threads would only wait
+
+ABOUT = """\
+Draws grids and plays as a paper does: PNG, SVG or PDF, by the ending of the
+picture's name. The same pictures come from hapgrid.plot in Python.
+"""
+KINDS = """\
+Pictures:
+  slice GRID            how many levels the points of a plane have
+  columns LOG...        column Y over column X of logs, sessions or frames, one
+                        over the other; there and back, with the snaps
+  session LOG           what happened in a play, over time: force, HIP, energy,
+                        lateness, and what the safety core did
+  error GRID...         how far play is from the model, over the spacing of
+                        grids of one or several models (verify --walks)
+
+Columns:
+  t; x y z of the HIP; force_x ..., of the model, and sent_x ..., as sent; force
+  and sent, their lengths; l0 ... l7; s0 ...; energy; own_energy. A session has
+  states and energies together with --grid.
+
+Exit codes:
+  0  done
+  1  could not: input, I/O, a model
+  2  the command line is wrong; nothing was read or written
+
+Examples:
+  hapgrid plot slice ball.grid --at y=0 -o levels.png
+  hapgrid plot columns a.log --x x --y s0 --grid ball.grid -o loop.svg
+  hapgrid plot session a.session -o a.pdf
+  hapgrid plot error 20.grid 30.grid 60.grid -o error.png
+"""
+
+
+class Wrong(Exception):
+    """Of the command line."""
+
+
+class Parser(argparse.ArgumentParser):
+    def error(self, message):  # one line, as every other message
+        raise Wrong(message)
+
+
+def arguments(words):
+    parser = Parser(prog="plot", usage="hapgrid plot PICTURE FILE... -o FILE [OPTION...]", description=ABOUT, epilog=KINDS,
+                    allow_abbrev=False, add_help=False, formatter_class=lambda prog: argparse.RawDescriptionHelpFormatter(prog, width=80))
+    parser.add_argument("picture", choices=["slice", "columns", "session", "error"], help=argparse.SUPPRESS)
+    parser.add_argument("files", metavar="FILE", nargs="+", help=argparse.SUPPRESS)
+    parser.add_argument("-o", "--output", metavar="FILE", help="picture to write ('-': a PNG to standard output)")
+    parser.add_argument("--at", metavar="AXIS=VALUE", help="plane of a slice, as y=0 (default: the middle of y)")
+    parser.add_argument("--x", metavar="COLUMN", help="column along the horizontal axis (default: t)")
+    parser.add_argument("--y", metavar="COLUMN", help="column along the vertical axis")
+    parser.add_argument("--grid", metavar="GRID", help="grid that was played: units, and a session's states and energies")
+    parser.add_argument("--model-path", metavar="DIR", help="folder of GRID's plug-in, where it is one of your own")
+    parser.add_argument("--names", metavar="A,B,...", help="names of the files in the legend")
+    parser.add_argument("--labels", metavar="X,Y", help="labels of the axes, in place of the columns' names and units")
+    parser.add_argument("--walks", metavar="N", type=int, help="random walks for each grid of error (default: 100)")
+    parser.add_argument("--allow-process", metavar="MODEL.toml", help="definition whose command may be run for error")
+    parser.add_argument("-h", "--help", action="help", help="print this help and exit")
+    parser.add_argument("-V", "--version", action="store_true", help="print the version and exit")
+    if words in (["-V"], ["--version"]):
+        import hapgrid
+
+        print(f"plot (hapgrid) {hapgrid.__version__}")
+        sys.exit(0)
+    return checked(parser.parse_args(words))
+
+
+def checked(options):
+    """The options, where each of them means something for the picture. Raises Wrong."""
+    from hapgrid.style import kind_of
+
+    mine = {"slice": {"at"}, "columns": {"x", "y", "grid", "model_path", "names", "labels"}, "session": {"grid", "model_path"},
+            "error": {"walks", "allow_process", "model_path"}}[options.picture]
+    for name in ("at", "x", "y", "grid", "model_path", "names", "labels", "walks", "allow_process"):
+        if getattr(options, name) is not None and name not in mine:
+            raise Wrong(f"--{name.replace('_', '-')} is not for {options.picture}")
+    if options.picture in ("slice", "session") and len(options.files) != 1:
+        raise Wrong(f"{options.picture} draws one file, not {len(options.files)}")
+    if options.model_path is not None and options.grid is None and options.picture != "error":
+        raise Wrong("--model-path needs --grid GRID")
+    if options.picture == "columns" and options.y is None:
+        raise Wrong("columns needs --y COLUMN")
+    options.labels = options.labels and options.labels.split(",")
+    if options.labels and (len(options.labels) != 2 or not all(options.labels)):
+        raise Wrong("--labels takes two texts with a comma between")
+    options.names = options.names and options.names.split(",")
+    if options.names and len(options.names) != len(options.files):
+        raise Wrong(f"--names has {len(options.names)} names for {len(options.files)} files")
+    if options.walks is not None and not 1 <= options.walks <= 10000:
+        raise Wrong("--walks must be from 1 to 10000")
+    if options.output is None:
+        raise Wrong("-o FILE is missing")
+    if options.output == "-":
+        if sys.stdout.isatty():
+            raise Wrong("a picture is not written to a terminal")
+        return options
+    try:
+        kind_of(options.output)
+    except ValueError as why:
+        raise Wrong(f"-o: {why}") from None
+    return options
+
+
+def draw(options):
+    from hapgrid import plot, style
+
+    if options.picture == "slice":
+        figure = plot.slice(options.files[0], options.at)
+    elif options.picture == "columns":
+        figure = plot.columns(options.files, options.x or "t", options.y, grid=options.grid, names=options.names, labels=options.labels,
+                              model_path=options.model_path)
+    elif options.picture == "session":
+        figure = plot.session(options.files[0], options.grid, options.model_path)
+    else:
+        more = [f"--{name}={value}" for name, value in (("allow-process", options.allow_process), ("model-path", options.model_path)) if value]
+        figure = plot.error(options.files, walks=options.walks or 100, options=more)
+    if options.output == "-":
+        sys.stdout.buffer.write(style.picture(figure, "png"))
+        sys.stdout.buffer.flush()
+    else:
+        plot.save(figure, options.output)
+
+
+def main():
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+    try:
+        draw(arguments(sys.argv[1:]))
+    except Wrong as why:
+        print(f"plot: {why} (see plot --help)", file=sys.stderr)
+        return 2
+    except OSError as why:
+        print(f"plot: {why.filename}: {why.strerror}" if why.filename else f"plot: {why}", file=sys.stderr)
+        return 1
+    except (ValueError, ImportError) as why:
+        print(f"plot: {' '.join(str(why).split())}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

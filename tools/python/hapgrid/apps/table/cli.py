@@ -1,0 +1,70 @@
+"""The command line of `hapgrid table`."""
+
+import argparse
+
+from hapgrid.apps.common.cli import EXIT_CODES, Parser, formatter, guarded, number
+
+ABOUT = """\
+Makes a verified grid of a table of energies, with pictures, so that a hand can
+feel it. FILE is an AutoDock map (.map), an OpenDX table (.dx), a Gaussian cube
+(.cube) or a VTK image (.vti), and may be packed (.gz). Everything goes to the
+folder DIR. A run that was stopped continues there. A file in DIR that you
+change is kept, and the same command computes again what depends on it.
+"""
+
+AFTERWARDS = f"""\
+Files in DIR, whose name is NAME:
+  index.html       summary with pictures
+  NAME.toml        definition of the grid; NAME.grid is the grid itself
+  NAME.table       the table as text; the grid carries it
+  verify.txt       report of verify
+  path.txt         a way of the HIP through the lowest minimum
+
+Between the points of the table the energy is a tricubic spline, and the force
+is its gradient. Without --wall, a wall is put at five times the height of the
+median above the minimum where values are higher or missing.
+
+{EXIT_CODES}
+
+examples:
+  hapgrid table receptor.C.map -o carbon
+  hapgrid table potential.dx -o positive --unit kT/e --wall 10
+  hapgrid table water.cube -o charge --factor -1
+"""
+
+
+def unit(text):
+    if len(text.encode()) > 15 or not text.isprintable() or '"' in text or "\\" in text:
+        raise argparse.ArgumentTypeError("a unit has at most 15 bytes, no quotes and no backslash")
+    return text
+
+
+def parser():
+    p = Parser(prog="hapgrid table", description=ABOUT, epilog=AFTERWARDS, formatter_class=formatter,
+               allow_abbrev=False, usage="hapgrid table FILE -o DIR [options]")
+    p.add_argument("file", metavar="FILE", help="table: .map, .dx, .cube or .vti")
+    p.add_output("threads")
+    p.add_argument("--force", type=number(0.01, 100), metavar="N", default=3.0,
+                   help="force on the device where the energy is steepest, in newtons (default: 3)")
+    p.add_argument("--wall", type=number(-1e30, 1e30), metavar="E",
+                   help="energy of the wall where values are higher or missing, in the table's unit, after --factor")
+    p.add_argument("--factor", type=number(-1e30, 1e30), metavar="F", default=1.0,
+                   help="number by which all values are multiplied, as a charge (default: 1)")
+    p.add_argument("--spacing", type=number(1e-9, 1e9), metavar="H",
+                   help="spacing of the grid in the table's unit of length (default: the smallest of the table)")
+    p.add_argument("--array", metavar="NAME", help="array of a .vti (default: its scalars)")
+    p.add_argument("--unit", type=unit, metavar="TEXT",
+                   help="unit of the energy (default: kcal/mol for .map, hartree for .cube, else none)")
+    p.add_argument("--length-unit", type=unit, metavar="TEXT",
+                   help="unit of lengths (default: angstrom, for .vti none)")
+    p.add_until("definition")
+    return p
+
+
+def run(options):
+    from . import course  # wants numpy, and --help does not
+    return course.run(options)
+
+
+def main(arguments):
+    return guarded("table", parser().parse_args, run, arguments)

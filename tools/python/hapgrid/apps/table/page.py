@@ -1,0 +1,170 @@
+"""A way through the table, pictures, and the page that sums up."""
+
+import html
+import itertools
+import json
+import tomllib
+import urllib.parse
+
+import numpy as np
+from hapgrid.apps.common import plots
+
+STYLE = """body { font: 16px/1.5 sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em; color: #222 }
+table { border-collapse: collapse } td, th { padding: 0.2em 0.8em; border-bottom: 1px solid #8c8c8c; text-align: left }
+img { max-width: 100% } iframe { width: 100%; height: 34em; border: 1px solid #8c8c8c } code { background: #eee }
+pre { overflow-x: auto }"""
+
+
+class Values:
+    """The energies at the points of the table, as the plug-in has them (field.hpp)."""
+
+    def __init__(self, work, name):
+        definition = tomllib.loads(work.read(f"{name}.toml"))
+        grid, model = definition["grid"], definition["model"]
+        parameters = model["parameters"]
+        self.low = np.array(grid["origin"], float)  # the corners of the grid's box
+        self.high = self.low + grid["spacing"] * (np.array(grid["counts"]) - 1)
+        head, _, body = work.read(model["files"]["table"]).partition("values\n")
+        rows = [line.split() for line in head.splitlines()]
+        counts = next([int(n) for n in row[1:]] for row in rows if row[0] == "counts")
+        self.origin = next(np.array(row[1:], float) for row in rows if row[0] == "origin")
+        self.axes = np.array([row[1:] for row in rows if row[0] == "axis"], float)
+        self.atoms = sum(row[0] == "atom" for row in rows)
+        energy = np.array(body.split(), float).reshape(counts[::-1]).transpose(2, 1, 0)
+        energy = energy * parameters.get("factor", 1.0)
+        self.wall = parameters.get("wall")
+        if self.wall is not None:
+            begin = (np.nanmin(energy) + self.wall) / 2
+            room = self.wall - begin
+            energy = np.where(np.isnan(energy), np.inf, energy)
+            pressed = begin - room * np.expm1(-np.maximum(energy - begin, 0) / room)
+            energy = np.where(energy > begin, pressed, energy)
+        self.energy = energy
+        self.unit = parameters.get("energy_unit", "")
+        self.length_unit = parameters.get("length_unit", "")
+        self.force = parameters.get("largest_force", 3)
+
+    def lowest(self):
+        """Indices of the lowest point, inside rather than at the edge."""
+        inside = self.energy[1:-1, 1:-1, 1:-1]
+        return tuple(int(n) + 1 for n in np.unravel_index(int(inside.argmin()), inside.shape))
+
+    def place(self, index):
+        return self.origin + np.asarray(index, float) @ self.axes
+
+
+def way(values):
+    """(start, end): a line through the lowest point along an axis or a diagonal of the table, that which climbs
+    least. It ends at the edge of the table, or of the grid's box, which may be smaller."""
+    lowest = np.array(values.lowest())
+    last = np.array(values.energy.shape) - 1
+
+    def ray(step):
+        count = min(int((last[a] - lowest[a]) if step[a] > 0 else lowest[a]) for a in range(3) if step[a])
+        return [lowest + n * step for n in range(count + 1)]
+
+    def climbs(step):
+        both = ray(step) + ray(-step)
+        return max(values.energy[tuple(p)] for p in both)
+    steps = [np.array(s) for s in itertools.product((-1, 0, 1), repeat=3) if s > (0, 0, 0)]
+    best = min(steps, key=climbs)
+    start, end = values.place(ray(-best)[-1]), values.place(ray(best)[-1])
+    along = [a for a in range(3) if start[a] != end[a]]
+    parts = [sorted((bound[a] - start[a]) / (end[a] - start[a]) for bound in (values.low, values.high)) for a in along]
+    first, last = max(part[0] for part in parts), min(part[1] for part in parts)
+    # A little inside the box where it ends the way, since the numbers of a path are rounded.
+    first, last = first + 1e-6 if first > 0 else 0.0, last - 1e-6 if last < 1 else 1.0
+    return (start + first * (end - start), start + last * (end - start)) if first < last else (start, end)
+
+
+def way_text(ends, unit, ticks):
+    """A path for play: there and back."""
+    start, end = ends
+    there = [start + (end - start) * k / ticks for k in range(ticks + 1)]
+    rows = [" ".join(f"{v:.10g}" for v in p) for p in there + there[-2::-1]]
+    return "\n".join([f"# x y z of the HIP{', ' + unit if unit else ''}, a line a tick: there and back",
+                      *rows]) + "\n"
+
+
+def slices(work, values):
+    """slices.png: the three planes of the table through its lowest point."""
+    style = plots.style()
+    drawn = style.figure(8.2, 3)
+    at = values.lowest()
+    steps = np.linalg.norm(values.axes, axis=1)
+    # A sheared table has no places along x, y and z: its pictures begin at 0.
+    begin = values.origin if np.allclose(values.axes, np.diag(steps)) else np.zeros(3)
+    with style.house_style():
+        every = [drawn.add_subplot(1, 3, k + 1) for k in range(3)]
+        for axes, (a, b, across) in zip(every, ((0, 1, 2), (0, 2, 1), (1, 2, 0))):
+            plane = np.take(values.energy, at[across], axis=across)
+            edges = [(begin[n] - steps[n] / 2, begin[n] + (plane.shape[k] - 0.5) * steps[n]) for k, n in enumerate((a, b))]
+            image = axes.imshow(plane.T, origin="lower", extent=(*edges[0], *edges[1]), aspect="equal", cmap="viridis",
+                                vmin=values.energy.min(), vmax=values.energy.max())
+            axes.set(xlabel=style.label("xyz"[a], values.length_unit), ylabel=style.label("xyz"[b], values.length_unit))
+            place = style.place(begin[across] + at[across] * steps[across], steps[across])
+            axes.set_title(style.plain(f"{'xyz'[across]} = {place} {style.sign(values.length_unit)}".rstrip()))
+        drawn.colorbar(image, ax=every, label=style.label("energy", values.unit), shrink=0.85)
+    style.save(drawn, work.path("slices.png"))
+    return "slices.png"
+
+
+def along(work, grid, unit, length_unit, prefix=""):
+    """Plays the way; pictures of force and energy along it, and the play in a page."""
+    work.run("play", grid, "--device", f"path:{prefix}path.txt", "--log", f"{prefix}played.log", "--frames",
+             f"{prefix}played.frames")
+    with open(work.path(f"{prefix}path.txt"), encoding="utf-8") as file:
+        points = np.loadtxt(file)
+    axis = "xyz"[int(np.argmax(np.ptp(points, axis=0)))]
+    style = plots.style()
+    where = style.label(f"{axis} of the HIP", length_unit)
+    for picture, column, label in ((f"{prefix}force.png", f"force_{axis}", f"{axis} of the force / N"),
+                                   (f"{prefix}energy.png", "energy", style.label("energy", unit))):
+        work.run("plot", "columns", f"{prefix}played.log", "--x", axis, "--y", column, "--labels", f"{where},{label}", "-o",
+                 picture)
+    work.run("view", f"{prefix}played.frames", "--html", f"{prefix}played.html")
+    return [f"{prefix}{n}" for n in ("force.png", "energy.png", "played.html", "played.log", "played.frames")]
+
+
+def write_frame(work, name, body):
+    """index.html: the body, how to feel the grid, and its report."""
+    title, quoted = html.escape(name), urllib.parse.quote(name)
+    work.write("index.html", f"""<!DOCTYPE html>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>{title}</title>
+<style>
+{STYLE}
+</style>
+<h1>{title}</h1>
+<p>To feel it, in this folder:
+<p><code>hapgrid feel {title}.grid</code>
+<p>Another device goes behind <code>hapgrid play {title}.grid --device</code>: see <code>hapgrid play --help</code>.
+{body}
+<h2>The grid</h2>
+<pre>{html.escape(work.read("verify.txt"))}</pre>
+<p>The definition is <a href="{quoted}.toml">{title}.toml</a>: change it, and the same command computes the grid anew.
+""")
+
+
+def write(work, name, values):
+    grid = f"{name}.grid"
+    made = ["path.txt", slices(work, values), *along(work, grid, values.unit, values.length_unit)]
+    scale = json.loads(work.run("stats", grid, "--format", "json")[0]).get("force_scale")
+    e = values.energy
+    unit, length = html.escape(values.unit or "units of energy"), html.escape(values.length_unit or "units of length")
+    rows = [("values", " × ".join(map(str, e.shape))), ("lowest, highest energy", f"{e.min():.4g}, {e.max():.4g} {unit}"),
+            ("wall", "none" if values.wall is None else f"{values.wall:g} {unit}"),
+            ("lowest point", ", ".join(f"{v:.4g}" for v in values.place(values.lowest())) + f" {length}"),
+            ("largest force", f"{values.force:g} N")]
+    if scale:
+        rows.append(("force on the device", f"{scale:.4g} N for 1 {unit} in 1 {length}"))
+    table = "".join(f"<tr><td>{a}<td>{b}" for a, b in rows)
+    write_frame(work, name, f"""<table>{table}</table>
+<h2>The energy</h2>
+<img src="slices.png" alt="three planes">
+<h2>A way through the lowest point and back</h2>
+<p>Blue balls are the deepest minima.
+<iframe src="played.html" title="the way"></iframe>
+<img src="energy.png" alt="energy on the way"> <img src="force.png" alt="force on the way">""")
+    return [*made, "index.html"]
