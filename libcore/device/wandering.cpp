@@ -16,7 +16,8 @@ void wander(const WanderingOptions& options, const Vec3& low, const Vec3& high,
     return x;
   };
   const auto ticks_of = [&](double seconds) {
-    return static_cast<std::size_t>(std::min(std::ceil(seconds * options.rate_hz), 0x1p40));
+    // In this order a NaN, which a box without end has for lengths, is the most, too.
+    return static_cast<std::size_t>(std::min(0x1p40, std::ceil(seconds * options.rate_hz)));
   };
   const std::size_t ticks = std::max<std::size_t>(ticks_of(options.seconds), 1);
   Vec3 from = anywhere();
