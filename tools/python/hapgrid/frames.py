@@ -22,7 +22,7 @@ def read_frames(path: str, data: bytes):
             if message.number(root, 0, 2) == 1:
                 frames.append(_frame(message, message.struct(*message.pointer_of(root, 0))))
             at = message.end
-    except (IndexError, ValueError, TypeError, RecursionError):
+    except (LookupError, ValueError, TypeError, RecursionError):
         raise ValueError(f"{path}: damaged frames, in frame {len(frames)}") from None
     states, centres = (len(frames[0][name]) if frames else 0 for name in ("state", "shape"))
     array = numpy.zeros(len(frames), [
