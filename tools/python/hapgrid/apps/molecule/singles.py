@@ -34,9 +34,9 @@ class SinglePoints:
             raise Failed(f"--single-points: {why}") from None
         if not words:
             raise Failed("--single-points: no command")
-        self.words = [os.path.abspath(w) if os.path.isfile(w) else w for w in words]
-        if words[0] == OURS:
-            self.words[0] = program(OURS)
+        # A file of this folder that is called like a program must not run in its place.
+        named = program(OURS) if words[0] == OURS else os.path.abspath(words[0]) if "/" in words[0] else words[0]
+        self.words = [named, *(os.path.abspath(w) if os.path.isfile(w) else w for w in words[1:])]
         self.method = re.sub(r"[^A-Za-z0-9.+-]+", "_", " ".join([os.path.basename(words[0]), *words[1:]])).strip("_")
         self.numbers, self.kept = molecule.numbers, kept
         self.title = f"charge={molecule.charge} unpaired={molecule.unpaired}"
