@@ -65,18 +65,37 @@ std::string rest_of(int fd, const std::string& name, std::uint64_t limit) {
   return text;
 }
 
-/// A fresh file `directory`/.hapgrid.XXXXXX; sets `name`. None when errno says why it
-/// cannot be created. @param mode as of open(): the kernel takes the umask away, which another
-/// thread could only read by changing it (mkostemp() would need that).
-FileDescriptor named_temporary(const fs::path& directory, std::string& name, mode_t mode) {
+/// Gives `make` names `directory`/.hapgrid.XXXXXX until it returns no EEXIST; sets `name`.
+/// @return what it returns, negative when errno says why there is none
+template <class Make>
+int with_fresh_name(const fs::path& directory, std::string& name, const Make& make) {
   static constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyz0123456789";
   std::random_device random;
   for (int attempt = 0;; ++attempt) {
     name = (directory / ".hapgrid.").string();
     for (int i = 0; i < 6; ++i) name += kLetters[random() % kLetters.size()];
-    FileDescriptor file(::open(name.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, mode));
-    if (file || errno != EEXIST || attempt == 100) return file;
+    const int made = make(name.c_str());
+    if (made >= 0 || errno != EEXIST || attempt == 100) return made;
   }
+}
+
+/// A fresh file `directory`/.hapgrid.XXXXXX; sets `name`. None when errno says why it
+/// cannot be created. @param mode as of open(): the kernel takes the umask away, which another
+/// thread could only read by changing it (mkostemp() would need that).
+FileDescriptor named_temporary(const fs::path& directory, std::string& name, mode_t mode) {
+  return FileDescriptor(with_fresh_name(directory, name, [&](const char* fresh) {
+    return ::open(fresh, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+  }));
+}
+
+std::string own_link(int fd) { return format("/proc/self/fd/{}", fd); }
+
+/// A file in `directory` that has no name yet, and is gone if the program is killed. None where the
+/// file system has no such files, or where it could get no name later.
+FileDescriptor nameless_file(const fs::path& directory) {
+  FileDescriptor file(::open(directory.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666));
+  if (file && ::access(own_link(file.get()).c_str(), F_OK) != 0) return {};
+  return file;
 }
 
 /// An unlinked file in `directory`, which is gone when it is closed. @throw std::system_error
@@ -205,13 +224,32 @@ OutputFile OutputFile::replacing(const std::string& name) {
 }
 
 OutputFile OutputFile::temporary_of(const std::string& target, const std::string& shown_name) {
-  std::string temporary;
-  OutputFile out(shown_name, named_temporary(fs::path(target).parent_path(), temporary, 0666));
-  if (!out.owned_) fail(shown_name);
+  const fs::path folder = fs::path(target).parent_path();
+  OutputFile out(shown_name, nameless_file(folder));
+  if (!out.owned_) {
+    std::string temporary;
+    out.owned_ = named_temporary(folder, temporary, 0666);
+    if (!out.owned_) fail(shown_name);
+    out.fd_ = out.owned_.get();
+    out.set_temporary(std::move(temporary));
+  }
   out.target_ = target;
-  out.temporary_ = std::make_unique<const std::string>(std::move(temporary));
-  change_unfinished(nullptr, out.temporary_.get());
   return out;
+}
+
+void OutputFile::set_temporary(std::string name) {
+  temporary_ = std::make_unique<const std::string>(std::move(name));
+  change_unfinished(nullptr, temporary_.get());
+}
+
+void OutputFile::give_name() {
+  const std::string link = own_link(fd_);
+  std::string name;
+  if (with_fresh_name(fs::path(target_).parent_path(), name, [&](const char* fresh) {
+        return ::linkat(AT_FDCWD, link.c_str(), AT_FDCWD, fresh, AT_SYMLINK_FOLLOW);
+      }) != 0)
+    fail(shown_name_);
+  set_temporary(std::move(name));
 }
 
 OutputFile::~OutputFile() {
@@ -223,12 +261,13 @@ OutputFile::~OutputFile() {
 void OutputFile::write(std::span<const std::byte> bytes) { write_all(fd_, bytes, shown_name_); }
 
 void OutputFile::commit() {
-  if (!temporary_) {
+  if (target_.empty()) {
     if (owned_ && ::close(owned_.release()) != 0) fail(shown_name_);
     return;
   }
-  if (::fsync(owned_.get()) != 0 || ::rename(temporary_->c_str(), target_.c_str()) != 0)
-    fail(shown_name_);
+  if (::fsync(owned_.get()) != 0) fail(shown_name_);
+  if (!temporary_) give_name();
+  if (::rename(temporary_->c_str(), target_.c_str()) != 0) fail(shown_name_);
   // The name must be on the disk before a file that this one makes needless is removed. The file
   // is there, whatever a file system says that cannot do this.
   const FileDescriptor folder(
@@ -236,6 +275,7 @@ void OutputFile::commit() {
   if (folder) ::fsync(folder.get());
   change_unfinished(temporary_.get(), nullptr);
   temporary_.reset();
+  target_.clear();
   owned_ = FileDescriptor();
   fd_ = -1;
 }

@@ -64,12 +64,14 @@ class OutputFile {
   static OutputFile to_standard_output(bool binary);
   static OutputFile direct(const std::string& name);
   static OutputFile temporary_of(const std::string& target, const std::string& shown_name);
+  void set_temporary(std::string name);
+  void give_name();
 
   std::string shown_name_;
   FileDescriptor owned_;
   int fd_ = -1;
-  std::string target_;                            // empty: written directly
-  std::unique_ptr<const std::string> temporary_;  // its name until commit()
+  std::string target_;                            // until commit(); empty: written directly
+  std::unique_ptr<const std::string> temporary_;  // its name, if it has one before commit()
 };
 
 /// Removes the files .hapgrid.XXXXXX of all output files of this process. For the handler of a

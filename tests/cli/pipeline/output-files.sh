@@ -77,6 +77,8 @@ cmp read seeds
 
 # Ended in the middle: nothing is left, not even of the merge in memory; SIGKILL leaves the temporary file.
 seed toy.toml --set model.parameters.milliseconds=50 -o slow
+# Not all file systems have files without a name.
+nameless=$(python3 -c 'import os; print(os.open(".", os.O_TMPFILE | os.O_RDWR))' 2>/dev/null || true)
 for signal in TERM INT HUP KILL; do
   for command in "expand slow" "expand -j 2 slow" "expand --complete slow"; do
     echo old >d/out
@@ -100,7 +102,7 @@ tool.send_signal(number)
 code = 128 + number if takes else -number
 assert tool.wait(5) == code, tool.returncode' $signal $command -o d/out
     same "old content" old "$(cat d/out)"
-    [[ $signal != KILL ]] || rm d/.hapgrid.??????
+    [[ $nameless || $signal != KILL ]] || rm d/.hapgrid.??????
     nothing_left d out
   done
 done
