@@ -343,6 +343,7 @@ int play(PlayOptions options) {
               if (sessions) sessions->add(tick);
             });
   signals.reset();  // a second signal may interrupt the writing of what is left
+  give_up_unread_messages();
   log.finish();
   viewers.finish();
   facts.frames = viewers.frames();
@@ -350,7 +351,8 @@ int play(PlayOptions options) {
     sessions->finish();
     facts.sessions = &*sessions;
   }
-  return conclude(options, summary, facts, safety, device, viewers);
+  return conclude_without(
+      beside.get(), [&] { return conclude(options, summary, facts, safety, device, viewers); });
 }
 
 int run(const PlayOptions& options) {

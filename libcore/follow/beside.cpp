@@ -1,7 +1,6 @@
 #include "libcore/follow/beside.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <utility>
 
@@ -65,16 +64,23 @@ Beside::Beside(const Grid& grid, std::unique_ptr<Model> model,
       places_(delay_ ? 1 : kPlaces),
       answers_(empty_answer(grid)) {}
 
-Beside::~Beside() {
+Beside::~Beside() { end_within({}); }
+
+bool Beside::end_within(std::chrono::milliseconds patience) noexcept {
   ends_ = true;
   thread_.request_stop();
   model_.abandon();
+  const auto until = std::chrono::steady_clock::now() + patience;
+  while (is_working_ && std::chrono::steady_clock::now() < until)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  return !is_working_;
 }
 
 void Beside::begin(double rate_hz) {
   pause_s_ = std::max(1 / (kLooksATick * rate_hz), kShortestPauseSeconds);
   if (delay_) return;
   const BlockedSignals blocked;
+  is_working_ = true;
   thread_ = std::jthread([this](const std::stop_token& token) { work(token); });
 }
 
@@ -146,6 +152,7 @@ void Beside::work(const std::stop_token& token) noexcept {
     places_.pop(places.size());
     if (places.empty()) std::this_thread::sleep_for(std::chrono::duration<double>(pause_s_));
   }
+  is_working_ = false;
 }
 
 /// All places along which the hand has come since the thread looked last; the answer is that of the

@@ -20,6 +20,7 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -63,8 +64,11 @@ class Beside {
   /// @throw Error as Traversal does
   Beside(const Grid& grid, std::unique_ptr<Model> model, std::optional<std::uint32_t> delay_ticks,
          std::function<void(const std::string&)> tell_failure = {});
-  /// Does not wait for a process that thinks.
+  /// Does not wait for a process that thinks, but for a plug-in.
   ~Beside();
+  /// Ends the thread. @return whether it has ended. A plug-in that never returns keeps it for ever:
+  /// then only the end of the program helps.
+  bool end_within(std::chrono::milliseconds patience) noexcept;
   Beside(const Beside&) = delete;
   Beside& operator=(const Beside&) = delete;
 
@@ -116,7 +120,7 @@ class Beside {
   const double near_;   // places nearer than this are passed over by a thread that is late
   double pause_s_ = 0;  // of the thread, when it has nothing to do
   const std::function<void(const std::string&)> tell_failure_;
-  std::atomic<bool> ends_{false};
+  std::atomic<bool> ends_{false}, is_working_{false};
   bool has_given_up_ = false;  // a process that failed, which can take its time for it
 
   std::uint64_t tick_ = 0;

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <malloc.h>
+#include <poll.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -42,6 +43,14 @@ int report(const std::string& tool, const std::string& message, int code) {
 
 void say(const std::string& tool, const std::string& text) {
   std::fprintf(stderr, "%s: %s\n", tool.c_str(), printable_line(text, text.npos).c_str());
+}
+
+void give_up_unread_messages() {
+  constexpr int kPatience = 2000;  // ms
+  pollfd reader{STDERR_FILENO, POLLOUT, 0};
+  if (::poll(&reader, 1, kPatience) != 0) return;
+  const FileDescriptor nowhere(::open("/dev/null", O_WRONLY | O_CLOEXEC));
+  if (nowhere) ::dup2(nowhere.get(), STDERR_FILENO);
 }
 
 void announce_terminal(const std::string& input) {

@@ -45,6 +45,9 @@ void add_cost(CommandLine& app, std::string& file);
 
 /// Writes the line "TOOL: TEXT" to standard error; `text` may have anything in it.
 void say(const std::string& tool, const std::string& text);
+/// Where standard error is a pipe that is full and stays so for 2 s, messages are thrown away from
+/// here on, so that the end of a program does not wait for whoever reads no more.
+void give_up_unread_messages();
 
 /// Says in a line that this program reads a terminal, where `input` is "-" and standard input is
 /// one: who forgot a file's name would wait without knowing for what.

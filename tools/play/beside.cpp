@@ -1,6 +1,12 @@
 #include "tools/play/beside.hpp"
 
+#include <unistd.h>
+
 #include <charconv>
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <iostream>
 #include <optional>
 
 #include "libcore/base/error.hpp"
@@ -13,6 +19,7 @@ namespace hapgrid {
 namespace {
 
 constexpr std::uint32_t kMostDelay = 10'000;  // ticks
+constexpr std::chrono::milliseconds kPatience{500};
 
 std::optional<std::uint32_t> ticks_of(const std::string& text) {
   std::uint32_t ticks = 0;
@@ -44,6 +51,20 @@ std::unique_ptr<Beside> make_beside(const std::string& wanted, bool must, bool h
     if (must) throw;
     return nullptr;
   }
+}
+
+int conclude_without(Beside* beside, const std::function<int()>& conclude) {
+  if (!beside || beside->end_within(kPatience)) return conclude();
+  int code = kExitFailed;
+  try {
+    say("play", "the model beside the grid hangs: play ends without it");
+    code = conclude();
+  } catch (const std::exception& e) {
+    say("play", e.what());
+  }
+  std::cout.flush();
+  std::fflush(nullptr);
+  ::_exit(code);
 }
 
 }  // namespace hapgrid

@@ -1,6 +1,7 @@
 // The model that walks beside the grid, as --beside names it.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -26,5 +27,9 @@ bool is_beside(const std::string& text);
 std::unique_ptr<Beside> make_beside(const std::string& wanted, bool must, bool has_thread,
                                     const Grid& grid, const BranchNodes* branches,
                                     const MakeModel& create);
+
+/// What `conclude` returns or throws. If the model is a plug-in that does not come back, this ends
+/// the program after `conclude`: nothing else would end its thread. @param beside may be null
+int conclude_without(Beside* beside, const std::function<int()>& conclude);
 
 }  // namespace hapgrid
