@@ -108,7 +108,6 @@ PlaySettings given_settings(const PlayOptions& options) {
 struct Settled {
   PlaySettings settings;
   TraversalRule traversal = kDefaultRule;
-  std::optional<ForceRule> force;  ///< nothing: PlayForce's default
   std::string beside = kBesideOn;
 };
 
@@ -117,7 +116,7 @@ struct Settled {
 Settled settle(const PlayOptions& options, const std::optional<SessionHeader>& session,
                const LoadedGrid& loaded) {
   Settled settled;
-  auto& [settings, rule, force, beside] = settled;
+  auto& [settings, rule, beside] = settled;
   if (session) {
     const std::string file = input_file(*options.device);
     if (session->grid_digest != loaded.digest)
@@ -126,15 +125,10 @@ Settled settle(const PlayOptions& options, const std::optional<SessionHeader>& s
     settings.safety = with.limits;
     settings.mapping.scale = with.scale;
     rule = with.traversal;
-    force = with.force;
     beside = with.beside;
   }
   settings = changed(settings, options.given);
-  if (options.traversal) {
-    if (rule != *options.traversal) force.reset();
-    rule = *options.traversal;
-  }
-  if (options.force) force = options.force;
+  if (options.traversal) rule = *options.traversal;
   if (options.beside) beside = *options.beside;
   if (options.axes) settings.mapping.axes = *options.axes;
   return settled;
@@ -281,11 +275,11 @@ int play(PlayOptions options) {
   };
   std::optional<OpenDevice> opened;
   if (!is_live(*options.device)) opened.emplace(open_it());
-  auto [settings, rule, wanted_force, wanted_beside] =
+  auto [settings, rule, wanted_beside] =
       settle(options, opened ? opened->session : std::nullopt, loaded);
   const auto create_exact = [&] { return exact_model(spec, options.model); };
   // The records are asked by all threads, and the traversal is prepared mostly by one.
-  std::future<NodeForces> records = PlayForce::ask_records(wanted_force, rule, grid, create);
+  std::future<NodeForces> records = PlayForce::ask_records(rule, grid, create);
   const std::unique_ptr<Traversal> traversal = traversals(rule, grid, create_exact)();
   const std::unique_ptr<Beside> beside =
       make_beside(wanted_beside, options.beside || !options.model.allowed.empty(),
@@ -294,7 +288,7 @@ int play(PlayOptions options) {
   const auto truth = opened && opened->wants_truth
                          ? traversals(TraversalRule::kModel, grid, create_exact)()
                          : nullptr;
-  PlayForce force(wanted_force, rule, grid, traversal->branch_nodes(), fields, std::move(records));
+  PlayForce force(grid, traversal->branch_nodes(), fields, std::move(records));
 
   std::optional<CaughtSignals> signals(std::in_place);
   if (!opened) opened.emplace(open_it());
@@ -320,7 +314,7 @@ int play(PlayOptions options) {
   RunFacts facts{.model = spec.model,
                  .device = device.info().name,
                  .traversal = name_of(rule),
-                 .force = name_of(force.rule()),
+                 .force = force.source(),
                  .rate_hz = loop.rate_hz,
                  .beside = beside.get(),
                  .answers = open.adapter ? &open.adapter->delays() : nullptr,
@@ -332,7 +326,6 @@ int play(PlayOptions options) {
           {.limits = settings.safety,
            .scale = mapping.scale(),
            .traversal = rule,
-           .force = force.rule(),
            .beside = beside ? wanted_beside : kBesideOff});
   if (beside) beside->begin(rate_hz);
   const LoopSummary summary =

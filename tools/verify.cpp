@@ -113,13 +113,6 @@ void add_checks(CommandLine& app, Options& options) {
           format("Fault: 1 % of the walked places are off by more; sets --walks {}", kDefaultWalks))
       .type("E")
       .positive();
-  app.add(
-         "--force", [&](const std::string& name) { asked.force = *force_named(name); },
-         "For `passive`: the force that play sends, as play --force says;\n"
-         "only that of the energy (default) can be proved")
-      .type("RULE")
-      .check([](const std::string& name) { return force_named(name).has_value(); },
-             "energy, records or state");
   app.add("--sample-seed", asked.sample_seed, "Another number draws other records and walks")
       .type("S")
       .shows_default();

@@ -7,8 +7,8 @@
 
 namespace hapgrid {
 
-/// As fmt::vformat(). fmt itself is compiled in format.cpp alone: each source that compiles it
-/// takes six seconds more.
+/// As fmt::vformat(). fmt itself is compiled in format.cpp alone, since it takes the compiler
+/// seconds.
 std::string vformat(fmt::string_view text, fmt::format_args args);
 
 /// As fmt::format(): format("{}: {} of {} records", name, done, all). The compiler checks the text.

@@ -1,7 +1,6 @@
 // A histogram of whole numbers from 0 on, such as durations in nanoseconds or forces in
 // nanonewtons, that a real-time thread can add to. Its bins are counters in an array; a bin is at
-// most 1/128 of its values wide (the scheme of HDR histograms, which Debian only has for other
-// languages).
+// most 1/128 of its values wide (the scheme of HDR histograms).
 #pragma once
 
 #include <array>

@@ -23,8 +23,7 @@ std::size_t zstd_frame_bound(std::uint64_t content);
 class ZstdFrameEncoder {
  public:
   /// @param level zstd's: 3 is its own default. Below 0 it leaves bytes that occur nowhere before
-  /// as they are, which is twice as fast, both ways, and larger: by 4 % where numbers are noise in
-  /// their last digits, by two thirds where they are smooth.
+  /// as they are, which is faster, both ways, and larger where numbers are smooth.
   explicit ZstdFrameEncoder(int level = 1) : level_(level) {}
 
   /// The zstd frame is valid until the next call.

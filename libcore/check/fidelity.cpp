@@ -23,7 +23,8 @@ namespace {
 constexpr std::size_t kSampleBlock = 64;
 
 // The search evaluates force and shape at x + d, this at the point's own position: half a unit in
-// the last place of x apart, which the stiffest contacts make 1e-10 of a force.
+// the last place of x apart. The stiffest contacts make 1e-10 of a force of that; the bound leaves
+// room for models that are computed less exactly, and a number that is wrong differs by far more.
 constexpr double kStoredTolerance = 1e-6;
 
 // Of the spacing: a step that makes C look for a minimum, and that hardly any state snaps in.

@@ -1,4 +1,4 @@
-// Does the model snap where it snaps, or where a minimiser leaps?
+// Are the snaps the model's own, or jumps of a minimiser over a barrier that is still there?
 //
 // A minimiser whose first step is long can end behind a barrier that is still there. C is then
 // deterministic, agrees with itself, and passes every check that asks it again: but its snaps come

@@ -24,8 +24,8 @@ struct DeviceInput {
   /// For a device that steers the HIP: its speed on each axis, in [-1, 1] of full deflection. The
   /// mapping adds it up over time. 0 for a handle that is held.
   Vec3 rate{0, 0, 0};
-  /// Where the hand is that pulls the handle or the HIP by a spring, in the same unit; NaN without
-  /// one.
+  /// Position of the hand, if the handle or the HIP hangs on it by a spring, in the same unit; else
+  /// NaN.
   Vec3 hand = kNowhere;
   bool stalled = false;  ///< the hardware has been silent for too long
   bool clutch = false;   ///< the handle is moved without the HIP

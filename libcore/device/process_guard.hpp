@@ -25,8 +25,8 @@ inline constexpr std::chrono::milliseconds kGuardBeatTime{10};
 
 class ProcessGuard {
  public:
-  /// Starts the guard, which starts the adapter. All that this program needs until the end is there
-  /// before the adapter starts. @throw DeviceError, std::system_error
+  /// Starts the guard, which starts the adapter. Opens every file and allocates all memory that
+  /// end() needs before the adapter starts. @throw DeviceError, std::system_error
   explicit ProcessGuard(AdapterProgram program);
   /// Calls end(), and waits until the guard, the adapter and all that it started are gone, 4 s at
   /// most.

@@ -19,10 +19,12 @@ struct Agreement {
   double by_energy = 0;  ///< newtons, root mean square of the error by energies and forces
   double by_forces = 0;  ///< newtons, the same of the mean of the forces
 
-  /// Honest models have at most 0.36 of by_forces (17 grids, from 8 points a side on), spoilt ones
-  /// at least 0.44 (32 of 34). But a table whose forces are central differences of its energies has
-  /// 0.5, whatever it holds, and where forces are linear both errors are rounding. So a small error
-  /// is good as well: an energy that is off by a fifth has 0.3 of the force.
+  /// The prediction by energies is of fourth order in the spacing and that by forces of second, so
+  /// the ratio of the errors goes to 0 as the grid gets finer, and any bound well below 0.5 will do:
+  /// forces that are central differences of the energies have 0.5, whatever the energies are. Such a
+  /// table is good where it is fine, and where forces are linear both errors are rounding. So an
+  /// error that is small beside the force is good as well; an energy that is off by a fifth has 0.3
+  /// of it.
   bool is_good() const {
     return predictions > 0 && (by_energy < 0.4 * by_forces || by_energy <= 0.05 * force);
   }

@@ -72,8 +72,8 @@ void BranchTraversal::follow_grid() noexcept {
   pass_over_older();
 }
 
-/// A hand that turns round does not come to where the model looked ahead, but back to where it was:
-/// one of the last answers may be nearer to it than the newest. @returns the nearest one
+/// A hand that turns round never reaches the place that the newest answer looked ahead to, and an
+/// older answer may be nearer to it. @returns the nearest one
 const BesideAnswer& BranchTraversal::keep_nearest(const BesideAnswer& newest) noexcept {
   if (kept_[last_kept_].tick != newest.tick) {
     last_kept_ = (last_kept_ + 1) % kKept;

@@ -10,8 +10,9 @@ namespace hapgrid {
 namespace {
 
 // How much less the corners of another anchor must disagree, so that a HIP at rest between two of
-// them does not change it again and again; and what a corner counts at least (disagreement()).
+// them does not change it again and again.
 constexpr double kBetter = 0.05;
+// Added to each corner's weight, so that a corner with weight 0 still counts.
 constexpr double kLeastWeight = 0.02;
 // How often the state can snap at one place. Snaps that go in a circle must end.
 constexpr int kMostSnaps = 4;

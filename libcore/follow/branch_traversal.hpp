@@ -20,10 +20,10 @@
 // A model that walks beside the grid (beside.hpp) knows better. Its answers belong to places where
 // the hand was, or will be, so the grid says how the state changes between them: the state is that
 // of the branch of the cell which is nearest to the model's, and what this branch lacked at the
-// place of an answer is added. Of the last answers it is the one whose place is nearest to the
-// hand: one that turns round does not come to where the model looked ahead. To the hand, there and
-// back are then the same, whichever branch of the grid is taken. When no answer comes, what was
-// added fades like any offset, and the grid decides.
+// place of an answer is added. Of the last 16 answers we use the one whose place is nearest to the
+// hand: a hand that turns round never reaches the place that the newest answer looked ahead to.
+// There and back are then the same to the hand, whichever branch of the grid is taken. When no
+// answer comes, what was added fades like any offset, and the grid decides.
 #pragma once
 
 #include <array>

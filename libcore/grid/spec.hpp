@@ -64,8 +64,8 @@ struct ModelDescription {
   std::uint32_t state_size = 1;  ///< n, the number of components of a state
   double tolerance = 0;          ///< the bound that the model's tolerance function applies
   std::string tolerance_unit;
-  /// The tolerance function of a process, while a plug-in has it in its code; and of both which
-  /// components are angles.
+  /// The tolerance function if the model is a process; a plug-in has its own. The periods apply to
+  /// both.
   Equality equality;
   std::string length_unit;  ///< for people to read, as is the next one; may be empty
   std::string energy_unit;
@@ -97,8 +97,9 @@ struct GridSpec : ModelDescription {
   friend bool operator==(const GridSpec&, const GridSpec&) = default;
 };
 
-/// The unit of distance() (equality.hpp), which is the tolerance's. But when a plug-in compares
-/// several components itself, distance() is a difference of one, and this is "of a component".
+/// The unit of distance() (equality.hpp): the tolerance's. The norm of a plug-in that compares
+/// several components is unknown. Then distance() is the largest difference of a component, and the
+/// unit is "of a component".
 std::string distance_unit(const GridSpec& spec);
 
 /// The first difference in words, as in "tolerance 0.05 and 0.1"; empty when there is none. Spheres

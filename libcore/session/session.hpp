@@ -59,7 +59,8 @@ struct TickRecord {
   std::uint32_t flags = 0;               ///< bits, named by the header
   std::uint32_t lateness_ns = 0;         ///< from the time when the tick was due to its start
   std::uint32_t compute_ns = 0;          ///< from its start until its force was sent
-  std::uint32_t slew_ns = 0;  ///< time for which the slew limit let the force change; 0: no matter
+  /// Time for which the slew limit let the force change; 0: the limit did not act.
+  std::uint32_t slew_ns = 0;
 };
 
 /// Nanoseconds for a record, held in its range.

@@ -27,13 +27,6 @@ void add_device_options(CommandLine& app, PlayOptions& options) {
       .check([](const std::string& name) { return rule_named(name).has_value(); },
              "one of " + rule_names());
   app.add(
-         "--force", [&](const std::string& name) { options.force = force_named(name); },
-         "What is interpolated: 'energy', whose gradient is the force; 'records': their forces; "
-         "'state': the model gives its force. Default: energy with branch, else state.")
-      .type("RULE")
-      .check([](const std::string& name) { return force_named(name).has_value(); },
-             "one of energy, records, state");
-  app.add(
          "--beside", [&](const std::string& text) { options.beside = text; },
          "Whether the model corrects the grid's state and force: 'on', which never makes a live "
          "device wait; 'off'; or, for other devices, by how many TICKS it is late. Default: on, if "
@@ -115,9 +108,8 @@ void add_play_options(CommandLine& app, PlayOptions& options) {
   app.option("--realtime").needs_one_of({"grid", "--selftest"});
   // Without a grid a device is only looked at.
   for (const char* const of_play :
-       {"--traversal", "--force", "--beside", "--model-path", "--allow-process", "--log",
-        "--frames", "--report", "--sessions", "--axes", "--config", "--gain", "--max-force",
-        "--scale"})
+       {"--traversal", "--beside", "--model-path", "--allow-process", "--log", "--frames",
+        "--report", "--sessions", "--axes", "--config", "--gain", "--max-force", "--scale"})
     app.option(of_play).needs(app.option("grid"));
 }
 

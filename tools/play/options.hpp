@@ -8,7 +8,6 @@
 #include "tools/common/models.hpp"
 #include "tools/common/traversals.hpp"
 #include "tools/play/devices.hpp"
-#include "tools/play/played_force.hpp"
 #include "tools/play/settings.hpp"
 
 namespace hapgrid {
@@ -18,7 +17,6 @@ struct PlayOptions {
   std::optional<DeviceChoice> device;
   double rate_hz = 0;  ///< 0: kDefaultRateHz for a live device, no pace for a scripted one
   std::optional<TraversalRule> traversal;
-  std::optional<ForceRule> force;
   std::optional<std::string> beside;     ///< is_beside()
   double duration_s = 0;                 ///< 0: until the device ends
   std::optional<RealtimeMode> realtime;  ///< nothing: kTry

@@ -1,4 +1,5 @@
-// The force of a play, by the rule that --force names.
+// The force of a play. The rule of branches takes it from the energies of the records, or where
+// these do not say it, from their forces. The other rules take that of the interpolated state.
 #pragma once
 
 #include <future>
@@ -6,29 +7,27 @@
 #include <optional>
 
 #include "libcore/model/fields.hpp"
-#include "tools/common/force_rules.hpp"
+#include "tools/common/node_forces.hpp"
+#include "tools/common/traversals.hpp"
 
 namespace hapgrid {
 
 /// For one thread.
 class PlayForce {
  public:
-  /// What a force that is not kState needs to know of each record; begins to ask, in other threads.
-  /// Arguments as below; grid outlives the answer.
-  static std::future<NodeForces> ask_records(std::optional<ForceRule> wanted,
-                                             TraversalRule traversal, const Grid& grid,
+  /// Begins to ask, in other threads, what the rule needs to know of each record. @param grid
+  /// outlives the answer.
+  static std::future<NodeForces> ask_records(TraversalRule rule, const Grid& grid,
                                              const MakeModel& create);
 
-  /// @param wanted nothing: kEnergy for the rule of branches, or kRecords where no energy has the
-  /// forces as its gradient; kState for the other rules of traversal. Says on standard error where
-  /// it falls back to kRecords.
+  /// Says on standard error where the energies do not say the force.
   /// @param branches of the traversal; may be null. @param fields, grid outlive this.
-  /// @param records from ask_records()
-  /// @throw Error when kEnergy is wanted and cannot be had; what `create` throws.
-  PlayForce(std::optional<ForceRule> wanted, TraversalRule traversal, const Grid& grid,
-            const BranchNodes* branches, const Fields& fields, std::future<NodeForces> records);
+  /// @param records from ask_records() @throw what `create` throws.
+  PlayForce(const Grid& grid, const BranchNodes* branches, const Fields& fields,
+            std::future<NodeForces> records);
 
-  ForceRule rule() const { return rule_; }
+  /// What the force comes from: "energy", "records" or "state".
+  const char* source() const { return has_energy_ ? "energy" : nodes_ ? "records" : "state"; }
   /// The largest force of the grid's records, in newtons; infinite where it is not known.
   double largest() const { return largest_; }
 
@@ -38,20 +37,20 @@ class PlayForce {
   }
   /// NodeForce::account(); nothing for other forces. Real-time safe.
   std::optional<double> account(const Traversal& traversal) const noexcept {
-    if (rule_ != ForceRule::kEnergy) return std::nullopt;
+    if (!has_energy_) return std::nullopt;
     return nodes_->account(traversal);
   }
   /// The energy that the hand can get from the model there, in newtons times the model's unit of
   /// length; nothing where it is not known. Real-time safe, as far as the model.
   std::optional<double> model_energy(const Traversal& traversal) const noexcept {
-    if (rule_ == ForceRule::kEnergy) return nodes_->energy(traversal);
+    if (has_energy_) return nodes_->energy(traversal);
     if (!fields_.has_energy()) return std::nullopt;
     return fields_.energy(traversal.position(), traversal.row()) * fields_.force_scale();
   }
 
  private:
   const Fields& fields_;
-  ForceRule rule_;
+  bool has_energy_ = false;  // of the nodes
   double largest_ = std::numeric_limits<double>::infinity();
   std::optional<NodeForce> nodes_;
 };

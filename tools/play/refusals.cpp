@@ -48,9 +48,6 @@ void require_possible(const PlayOptions& options) {
     if (*options.beside != kBesideOn && is_live(*options.device))
       throw UsageError("--beside: how late the model is for a live device cannot be chosen");
   }
-  if (options.traversal == TraversalRule::kModel && options.force &&
-      options.force != ForceRule::kState)
-    throw UsageError("--force: --traversal model has no records to interpolate between");
   const bool simulated = std::holds_alternative<SimulationFile>(*options.device);
   if (!options.model.allowed.empty() && !simulated &&
       (options.traversal == TraversalRule::kPaper ||

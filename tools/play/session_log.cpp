@@ -65,7 +65,6 @@ SessionHeader session_header(const GridSpec& spec, const std::string& digest, do
   header.settings = json_line({{"safety", safety},
                                {"scale_per_m", with.scale},
                                {"traversal", name_of(with.traversal)},
-                               {"force", name_of(with.force)},
                                {"beside", with.beside}});
   return header;
 }
@@ -85,10 +84,6 @@ PlayedWith played_with(const SessionHeader& header, const std::string& name) {
     if (!rule)
       throw Error(format("{}: played by a rule of traversal that this program lacks", name));
     with.traversal = *rule;
-    const auto force = force_named(settings.at("force").get<std::string>());
-    if (!force)
-      throw Error(format("{}: played with a rule of forces that this program lacks", name));
-    with.force = *force;
     with.beside = settings.at("beside").get<std::string>();
     if (!is_beside(with.beside))
       throw Error(format("{}: played with an answer to --beside that this program lacks", name));

@@ -7,7 +7,7 @@
 #include "libcore/loop/loop.hpp"
 #include "libcore/session/recorder.hpp"
 #include "libcore/session/recording.hpp"
-#include "tools/play/played_force.hpp"
+#include "tools/common/traversals.hpp"
 
 namespace hapgrid {
 
@@ -20,7 +20,6 @@ struct PlayedWith {
   SafetyLimits limits;  ///< as they were applied, with the device's own limit
   double scale = 0;     ///< Mapping::scale()
   TraversalRule traversal = kDefaultRule;
-  ForceRule force = ForceRule::kState;
   std::string beside;  ///< is_beside()
 };
 

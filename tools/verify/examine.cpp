@@ -16,6 +16,7 @@
 #include "libcore/check/tears.hpp"
 #include "libcore/model/model.hpp"
 #include "libcore/search/converter.hpp"
+#include "tools/common/node_forces.hpp"
 #include "tools/common/progress.hpp"
 #include "tools/common/traversals.hpp"
 
@@ -48,25 +49,18 @@ Check recompute_tears(const Grid& grid, std::span<const RecordIndex> sample,
 /// The row `passive`, for the force that play sends.
 /// @param source of a model that may be asked where it snaps; null: it may not
 Check prove_passive(const Grid& grid, const BranchMap& branches, const RecordFields& fields,
-                    ForceRule asked, const ModelSource* source, int threads) {
-  if (asked == ForceRule::kState)
+                    const ModelSource* source, int threads) {
+  const NodeForces forces = node_forces(grid, fields);
+  if (!forces.has_energy())
     return passive_not_proved(
-        "the work of the force of the interpolated state is not known between the points; "
-        "--force energy can be proved");
-  const NodeForces forces = node_forces(asked, grid, fields);
-  if (forces.rule == ForceRule::kEnergy) {
-    forces.nodes->add_ghosts(grid, branches.nodes);
-    if (!source || grid.has_tears()) return check_passive(grid, branches, *forces.nodes);
-    Progress conversions;
-    Converter converter(*source, grid.spec(), static_cast<unsigned>(threads), conversions);
-    return check_passive(grid, branches, *forces.nodes, &converter);
-  }
-  if (forces.why_not.empty())
-    return passive_not_proved("interpolated forces have no energy; --force energy can be proved");
-  return passive_not_proved(
-      format("play interpolates the forces of the records, which have no energy, because {}; make "
-             "the grid finer, or give the model the energy of its force: see check-model",
-             forces.why_not));
+        format("play interpolates the forces of the records, which have no energy, because {}; "
+               "make the grid finer, or give the model the energy of its force: see check-model",
+               forces.why_not));
+  forces.nodes->add_ghosts(grid, branches.nodes);
+  if (!source || grid.has_tears()) return check_passive(grid, branches, *forces.nodes);
+  Progress conversions;
+  Converter converter(*source, grid.spec(), static_cast<unsigned>(threads), conversions);
+  return check_passive(grid, branches, *forces.nodes, &converter);
 }
 
 Check measure_accuracy(const Grid& grid, const Examination& asked, const WalkModels& models) {
@@ -125,8 +119,8 @@ std::vector<Check> examine(const Grid& grid, const Examination& asked) {
   if (!fields.energy.empty()) add(check_gradient(grid, fields));
   add(check_steep(grid, fields.force, asked.rendering));
   if (knows_force)
-    add(prove_passive(grid, branches, fields, asked.force,
-                      asked.recompute > 0 ? source.get() : nullptr, asked.threads));
+    add(prove_passive(grid, branches, fields, asked.recompute > 0 ? source.get() : nullptr,
+                      asked.threads));
 
   // And between the points?
   if (asked.walks > 0) {

@@ -7,7 +7,6 @@
 
 #include "libcore/check/report.hpp"
 #include "libcore/check/steep.hpp"
-#include "tools/common/force_rules.hpp"
 #include "tools/common/models.hpp"
 
 namespace hapgrid {
@@ -17,7 +16,6 @@ struct Examination {
   std::uint64_t sample_seed = 1;
   std::uint64_t walks = 0;
   std::optional<double> accuracy;
-  ForceRule force = default_force(kDefaultRule);
   int threads = 1;
   Rendering rendering;
   ModelOptions model;

@@ -1,4 +1,4 @@
-#include "tools/common/force_rules.hpp"
+#include "tools/common/node_forces.hpp"
 
 #include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
@@ -7,13 +7,6 @@
 namespace hapgrid {
 
 namespace {
-
-struct NamedForce {
-  ForceRule rule;
-  const char* name;
-};
-constexpr NamedForce kForces[] = {
-    {ForceRule::kEnergy, "energy"}, {ForceRule::kRecords, "records"}, {ForceRule::kState, "state"}};
 
 // Errors that are smaller, as a part of the force, say nothing: energies are kept as floats.
 constexpr double kRounding = 1e-6;
@@ -37,27 +30,9 @@ void judge(const Grid& grid, const RecordFields& fields, NodeForces& into) {
 
 }  // namespace
 
-const char* name_of(ForceRule rule) {
-  for (const NamedForce& f : kForces)
-    if (f.rule == rule) return f.name;
-  return "";
-}
-
-std::optional<ForceRule> force_named(const std::string& name) {
-  for (const NamedForce& f : kForces)
-    if (name == f.name) return f.rule;
-  return std::nullopt;
-}
-
-ForceRule default_force(TraversalRule traversal) {
-  return traversal == TraversalRule::kBranch ? ForceRule::kEnergy : ForceRule::kState;
-}
-
-NodeForces node_forces(ForceRule wanted, const Grid& grid, const RecordFields& fields) {
-  NodeForces found{wanted, {}, {}, std::make_shared<NodeEnergies>(grid, fields), {}};
-  if (wanted == ForceRule::kEnergy) judge(grid, fields, found);
-  if (!found.why_not.empty()) found.rule = ForceRule::kRecords;
-  found.interpolate = found.rule == ForceRule::kEnergy ? hermite_force : mean_force;
+NodeForces node_forces(const Grid& grid, const RecordFields& fields) {
+  NodeForces found{std::make_shared<NodeEnergies>(grid, fields), {}, {}};
+  judge(grid, fields, found);
   return found;
 }
 
