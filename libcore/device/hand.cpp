@@ -4,9 +4,7 @@
 #include <poll.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <exception>
 #include <system_error>
 #include <utility>
@@ -22,34 +20,8 @@ namespace {
 
 constexpr int kAskMs = 50;             // how soon the listener sees that it shall stop
 constexpr std::size_t kMaxLine = 256;  // bytes
-// After a hiccup of the machine the force is old: the HIP does not go far with it.
-constexpr double kLongestTick = 0.004;
 
 }  // namespace
-
-CoupledHip::CoupledHip(const HipRange& range)
-    : range_(range),
-      speed_(kHandSpeed * range.longest_side()),
-      stiffness_(kHandForce / (kHandReach * range.longest_side())),
-      x_(range.start) {}
-
-const Vec3& CoupledHip::next(const Vec3& hand, const Vec3& force, double dt) noexcept {
-  const double tick = std::clamp(dt, 0.0, kLongestTick);
-  const double part = tick / (kHandSeconds + tick);
-  // A hand far away pulls no more than one that the HIP can be drawn behind.
-  const double margin = kHandReach * range_.longest_side();
-  Vec3 way;
-  for (int a = 0; a < 3; ++a) {
-    const double h = std::clamp(hand[a], range_.low[a] - margin, range_.high[a] + margin);
-    way[a] = part * (h + force[a] / stiffness_ - x_[a]);
-  }
-  const double length = std::hypot(way[0], way[1], way[2]);
-  const double most = speed_ * tick;
-  const double shown = length > most ? most / length : 1;
-  for (int a = 0; a < 3; ++a)
-    x_[a] = std::clamp(x_[a] + shown * way[a], range_.low[a], range_.high[a]);
-  return x_;
-}
 
 std::optional<Vec3> HandLines::read(std::string_view bytes) {
   std::optional<Vec3> newest;
@@ -71,7 +43,8 @@ std::optional<Vec3> HandLines::read_line() {
   try {
     const bool next = line_ == kHandNext;
     nexts_ += next;
-    const auto x = next ? std::nullopt : parse_position(line_);
+    std::optional<Vec3> x;
+    if (const auto tick = next ? std::nullopt : parse_tick(line_)) x = tick->x;
     line_.clear();
     ++number_;
     return x;

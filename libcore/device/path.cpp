@@ -39,33 +39,37 @@ std::string_view parse_coordinate(std::string_view word, double& value) {
 
 }  // namespace
 
-std::optional<Vec3> parse_position(std::string_view line) {
+std::optional<PathTick> parse_tick(std::string_view line) {
   line = line.substr(0, line.find('#'));
-  Vec3 x;
+  PathTick tick;
   int count = 0;
   for (std::string_view word; !(word = next_word(line)).empty(); ++count) {
+    if (count == 3 && word == "next" && next_word(line).empty()) {
+      tick.next = true;
+      break;
+    }
     if (count == 3) throw Error("more than the 3 numbers x y z");
-    const std::string_view wrong = parse_coordinate(word, x[count]);
+    const std::string_view wrong = parse_coordinate(word, tick.x[count]);
     if (!wrong.empty()) throw Error(format("'{}' {}", printable_line(word, 40), wrong));
   }
   if (count == 0) return std::nullopt;
   if (count != 3) throw Error(format("the 3 numbers x y z are needed, found {}", count));
-  return x;
+  return tick;
 }
 
-std::vector<Vec3> parse_path(std::string_view text, const std::string& name) {
-  std::vector<Vec3> positions;
+std::vector<PathTick> parse_path(std::string_view text, const std::string& name) {
+  std::vector<PathTick> ticks;
   for (std::size_t number = 1; !text.empty(); ++number) {
     const std::string_view line = text.substr(0, text.find('\n'));
     text.remove_prefix(std::min(line.size() + 1, text.size()));
     try {
-      if (const auto x = parse_position(line)) positions.push_back(*x);
+      if (const auto tick = parse_tick(line)) ticks.push_back(*tick);
     } catch (const Error& e) {
       throw Error(format("{}: line {}: {}", name, number, e.what()));
     }
   }
-  if (positions.empty()) throw Error(format("{}: no position in it", name));
-  return positions;
+  if (ticks.empty()) throw Error(format("{}: no position in it", name));
+  return ticks;
 }
 
 PathDevice PathDevice::open(const std::string& file) {
@@ -73,8 +77,9 @@ PathDevice PathDevice::open(const std::string& file) {
 }
 
 DeviceStatus PathDevice::read(DeviceInput& input) noexcept {
-  if (next_ == positions_.size()) return DeviceStatus::kEnd;
-  input = {.position = positions_[next_++]};
+  if (next_ == ticks_.size()) return DeviceStatus::kEnd;
+  const PathTick& tick = ticks_[next_++];
+  input = {.position = tick.x, .next = tick.next};
   return DeviceStatus::kOk;
 }
 

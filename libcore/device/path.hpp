@@ -11,25 +11,34 @@
 
 namespace hapgrid {
 
-/// The position in a line of a path; nothing if the line has only blanks and a comment.
+/// A line of a path: where the HIP is, and whether it wants the next level there, as
+/// DeviceInput::next does.
+struct PathTick {
+  Vec3 x;
+  bool next = false;
+  friend bool operator==(const PathTick&, const PathTick&) = default;
+};
+
+/// What a line of a path has; nothing if it has only blanks and a comment.
 /// @throw Error that says what is wrong with the line.
-std::optional<Vec3> parse_position(std::string_view line);
+std::optional<PathTick> parse_tick(std::string_view line);
 
 /// Reads positions: one x y z in each line, in the model's unit of length, separated by spaces or
-/// tabs. '#' starts a comment, blank lines are skipped. Numbers are those of the C locale.
+/// tabs; the word `next` can follow. '#' starts a comment, blank lines are skipped. Numbers are
+/// those of the C locale.
 /// @param name for messages.
 /// @throw Error "NAME: line N: ..." for any other text, or when there is no position.
-std::vector<Vec3> parse_path(std::string_view text, const std::string& name);
+std::vector<PathTick> parse_path(std::string_view text, const std::string& name);
 
 /// Each read() gives the next position, however late it comes.
 class PathDevice : public Device {
  public:
-  explicit PathDevice(std::vector<Vec3> positions) : positions_(std::move(positions)) {}
+  explicit PathDevice(std::vector<PathTick> ticks) : ticks_(std::move(ticks)) {}
 
   /// Reads a whole file, "-" for standard input. @throw Error; std::system_error
   static PathDevice open(const std::string& file);
 
-  std::size_t size() const { return positions_.size(); }
+  std::size_t size() const { return ticks_.size(); }
   /// The force that was sent last.
   const Vec3& force() const { return force_; }
 
@@ -40,7 +49,7 @@ class PathDevice : public Device {
   std::string error() const override { return "a path does not fail"; }
 
  private:
-  std::vector<Vec3> positions_;
+  std::vector<PathTick> ticks_;
   std::size_t next_ = 0;
   Vec3 force_{0, 0, 0};
 };

@@ -33,19 +33,11 @@
 #include "libcore/base/histogram.hpp"
 #include "libcore/base/spsc_ring.hpp"
 #include "libcore/base/triple_buffer.hpp"
+#include "libcore/follow/beside_answer.hpp"
 #include "libcore/follow/model_traversal.hpp"
 #include "libcore/model/fields.hpp"
 
 namespace hapgrid {
-
-/// What the model says of the place where the hand will be when this answer comes.
-struct BesideAnswer {
-  std::uint64_t tick = 0;     ///< Beside::tick() when it was asked
-  bool usable = false;        ///< the model could follow the hand
-  Vec3 at{0, 0, 0};           ///< that place, in the model's unit of length
-  std::vector<double> row;    ///< GridSpec::row_size() values: state, and what is stored
-  std::optional<Vec3> force;  ///< newtons; nothing: the model does not say
-};
 
 /// For one hand. receive(), answer(), start() and follow() are called by one thread, in this order
 /// in each tick; they never wait for the other thread, and are real-time safe when there is one.

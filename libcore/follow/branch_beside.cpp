@@ -1,6 +1,7 @@
 // How a BranchTraversal chooses its branch where the model walks beside the grid.
 #include <algorithm>
 
+#include "libcore/follow/beside.hpp"
 #include "libcore/follow/branch_traversal.hpp"
 #include "libcore/grid/vec3.hpp"
 

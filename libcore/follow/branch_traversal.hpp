@@ -31,7 +31,7 @@
 #include <memory>
 #include <vector>
 
-#include "libcore/follow/beside.hpp"
+#include "libcore/follow/beside_answer.hpp"
 #include "libcore/follow/branch_nodes.hpp"
 #include "libcore/follow/fading_offset.hpp"
 #include "libcore/follow/tear_function.hpp"

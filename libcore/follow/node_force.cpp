@@ -1,6 +1,6 @@
 #include "libcore/follow/node_force.hpp"
 
-#include "libcore/follow/beside.hpp"
+#include "libcore/follow/beside_answer.hpp"
 
 namespace hapgrid {
 

@@ -108,12 +108,12 @@ void GridBuilder::add_links(std::uint64_t first, std::size_t count, const Level*
       number = grid_.links_of_[first + r - 1];
     } else {
       const Links made = make_links(levels, tears, inside);
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       number = grid_.table_.add(made);
     }
     inside_before = inside;
   }
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   added_ += count;
 }
 

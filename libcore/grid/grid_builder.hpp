@@ -1,9 +1,9 @@
 // Makes a grid from runs of records, so that no second copy of all records is in memory.
 #pragma once
 
-#include <mutex>
 #include <vector>
 
+#include "libcore/base/mutex.hpp"
 #include "libcore/grid/grid.hpp"
 
 namespace hapgrid {
@@ -46,7 +46,7 @@ class GridBuilder {
   Grid grid_;
   std::vector<Level> level_;  // by record, to be checked
   std::uint64_t added_ = 0;   // records
-  std::mutex mutex_;          // of added_ and of the grid's table of links
+  Mutex mutex_;               // of added_ and of the grid's table of links
 };
 
 }  // namespace hapgrid

@@ -253,7 +253,7 @@ bool SceneReader::next(Frame& frame) {
   if (!any_frame_) first_angles_ = angles;
   frame.turned.resize(angles.size());
   for (std::size_t i = 0; i < angles.size(); ++i)
-    frame.turned[i] = -std::remainder(first_angles_[i] - angles[i], 360);  // 180, never -180
+    frame.turned[i] = turned_degrees(first_angles_[i], angles[i]);
   any_frame_ = true;
   last_tick_ = frame.tick;
   return true;

@@ -36,6 +36,7 @@
 #include <optional>
 
 #include "libcore/follow/agreement.hpp"
+#include "libcore/follow/beside.hpp"
 #include "libcore/follow/branch_traversal.hpp"
 #include "libcore/follow/node_force.hpp"
 #include "libcore/follow/paper_traversal.hpp"

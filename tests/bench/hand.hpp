@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "libcore/device/simulated.hpp"
+#include "libcore/follow/beside.hpp"
 #include "libcore/follow/branch_traversal.hpp"
 #include "libcore/follow/node_force.hpp"
 #include "libcore/follow/record_fields.hpp"

@@ -63,7 +63,7 @@ void use(Simulation simulation) {
 /// hand's newest place is the path's last one.
 void take_path(std::string_view text) {
   std::optional<Vec3> last;
-  refusable([&] { last = parse_path(text, "fuzz").back(); });
+  refusable([&] { last = parse_path(text, "fuzz").back().x; });
   refusable([&] {
     HandLines lines;
     const std::size_t cut = text.size() / 3;

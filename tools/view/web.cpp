@@ -211,7 +211,7 @@ int WebServer::hear(lws* wsi, std::string_view text) {
       if (wsi == holder_ && hand_) hand_->next_level();
     } else {
       try {
-        place = parse_position(line);
+        if (const auto tick = parse_tick(line)) place = tick->x;
       } catch (const Error&) {
         return -1;
       }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "libcore/follow/beside.hpp"
 #include "libcore/follow/branch_traversal.hpp"
 #include "libcore/follow/node_force.hpp"
 #include "tests/unit/catch.hpp"

@@ -8,6 +8,7 @@
 #include <thread>
 #include <vector>
 
+#include "libcore/follow/beside.hpp"
 #include "libcore/follow/branch_traversal.hpp"
 #include "libcore/follow/node_force.hpp"
 #include "libcore/model/process_model.hpp"

@@ -59,7 +59,7 @@ TEST_CASE("the hand writes each new place as a line of a path") {
   CHECK(ends.text() == std::string(kHandNext) + "\n");
   for (int i = 0; i < 3; ++i) {
     ends.hand.move_to({0.1 * i, 0.2, 1.0 / 3});
-    CHECK(parse_path(ends.text(), "line") == std::vector<Vec3>{*ends.hand.place()});
+    CHECK(parse_path(ends.text(), "line") == std::vector<PathTick>{{*ends.hand.place()}});
   }
   // A pipe that nobody empties, or that nobody has any more, stops nobody.
   for (int i = 0; i < 5000; ++i) ends.hand.move_to({i % 2 ? 1.0 : 0.5, 0, 0});
