@@ -20,6 +20,7 @@
 #include "libcore/scene/trajectory.hpp"
 #include "tools/common/inputs.hpp"
 #include "tools/common/tool.hpp"
+#include "tools/view/grid_page.hpp"
 #include "tools/view/imd.hpp"
 #include "tools/view/page/page.hpp"
 #include "tools/view/terminal.hpp"
@@ -38,9 +39,11 @@ struct Options {
   std::string hip_label;
   std::string png;
   std::string html;
+  std::vector<std::string> model_path;
   double at_s = std::numeric_limits<double>::infinity();  // beyond: the last frame
   std::string size = "800x600";
   RenderOptions picture;
+  bool has_angles = false;  // asked for
   std::string style = "spheres";
   bool web = false;
   std::string address = "127.0.0.1";
@@ -126,6 +129,22 @@ RenderOptions render_options(const Options& options) {
   return how;
 }
 
+/// The frames are no frames but a grid.
+int run_grid(const Options& options, RenderOptions how) {
+  if (!options.has_angles) {
+    how.azimuth_degrees = 0;  // from the front: the hand moves in the plane of the picture
+    how.elevation_degrees = 10;
+  }
+  if (options.html.empty() || !options.xyz.empty() || !options.png.empty())
+    throw Error(options.frames +
+                ": is a grid, of which view makes a page that plays it, by --html alone; "
+                "play GRID --frames - makes frames");
+  OutputFile html(options.html, /*binary=*/false);
+  html.write(grid_page(options.frames, options.model_path, how));
+  html.commit();
+  return kExitDone;
+}
+
 int run(const Options& options) {
   if (options.frames.ends_with(".session"))
     throw Error(options.frames +
@@ -135,6 +154,7 @@ int run(const Options& options) {
               {{options.frames, "frames"}});
   announce_terminal(options.frames);
   RenderOptions how = render_options(options);
+  if (is_grid(options.frames)) return run_grid(options, how);
   if (options.web) {
     run_web(options.frames,
             {how, options.address, std::max(options.port, 0), options.hand, options.close});
@@ -209,9 +229,11 @@ void add_file_options(CommandLine& app, Options& options) {
       .within(0, 1e12, "a time from 0 to 1e12 s")
       .needs(png);
   app.add("--html", options.html,
-          "Web page to write in one file, which plays all frames in a browser.")
+          "Web page to write in one file: it plays all frames in a browser or, where FRAMES is a "
+          "grid, lets a mouse or a finger feel that grid.")
       .type("FILE")
       .writes();
+  add_model_path(app, options.model_path);
 }
 
 void add_live_options(CommandLine& app, Options& options) {
@@ -304,5 +326,8 @@ int main(int argc, char** argv) {
   app.set_help("view",
                "A file named '-' is standard output. Lengths are in the model's unit.\n"
                "The button ? of the page shows what mouse, fingers and keys do.\n");
-  return run_tool(app, argc, argv, [&] { return run(options); });
+  return run_tool(app, argc, argv, [&] {
+    options.has_angles = app.given("--azimuth") || app.given("--elevation");
+    return run(options);
+  });
 }

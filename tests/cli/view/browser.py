@@ -31,6 +31,7 @@ class Browser:
         self.pending = b""
         self.number = 0
         self.complaints = []
+        self.requests = []  # addresses
 
     def __enter__(self):
         return self
@@ -60,6 +61,8 @@ class Browser:
             answer = self.read()
             if answer.get("method") in ("Runtime.exceptionThrown", "Runtime.consoleAPICalled"):
                 self.complaints.append(answer["params"])
+            if answer.get("method") == "Network.requestWillBeSent":
+                self.requests.append(answer["params"]["request"]["url"])
             if answer.get("id") == self.number:
                 assert "error" not in answer, (method, answer["error"])
                 return answer["result"]
@@ -75,6 +78,7 @@ class Page:
         self.session = browser.ask("Target.attachToTarget", targetId=self.target, flatten=True)["sessionId"]
         self.ask("Runtime.enable")
         self.ask("Page.enable")
+        self.ask("Network.enable")
         self.ask("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=scale,
                  mobile=touch)
         if touch:

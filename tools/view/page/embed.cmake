@@ -1,5 +1,6 @@
-# Writes a C++ source that holds the parts of view's page: cmake -D OUT=... -D HERE=... -D SCRIPTS=a.js;b.js -P embed.cmake
-set(text "#pragma GCC diagnostic ignored \"-Woverlength-strings\"\nnamespace hapgrid {\nextern const char *const kPageHead, *const kPageScript;\n")
+# Writes a C++ source that holds the parts of view's page, and the player in hex, or nothing where PLAYER is empty:
+# cmake -D OUT=... -D HERE=... -D SCRIPTS=a.js;b.js -D PLAYER=player.wasm -P embed.cmake
+set(text "#pragma GCC diagnostic ignored \"-Woverlength-strings\"\nnamespace hapgrid {\nextern const char *const kPageHead, *const kPageScript, *const kPagePlayer;\n")
 foreach(part IN ITEMS kPageHead kPageScript)
   set(files page.html)
   if(part STREQUAL kPageScript)
@@ -12,4 +13,9 @@ foreach(part IN ITEMS kPageHead kPageScript)
   endforeach()
   string(APPEND text ";\n")
 endforeach()
+set(player "")
+if(PLAYER)
+  file(READ ${PLAYER} player HEX)
+endif()
+string(APPEND text "const char* const kPagePlayer = \"${player}\";\n")
 file(WRITE ${OUT} "${text}}  // namespace hapgrid\n")

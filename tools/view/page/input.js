@@ -5,17 +5,17 @@ const pointers = new Map();  // those that are down, with where they were
 
 /// Moves the hand by so many pixels to the right and down, and by a length towards the viewer.
 function moveHand(right, down, nearer) {
-  if (!hand || !socket || socket.readyState !== WebSocket.OPEN) return;
+  if (!hand) return;
   const [side, up, near] = view.axes, unit = pixel();
   const at = plus(plus(plus(hand, side, unit * right), up, -unit * down), near, nearer);
   hand = at.map((x, a) => clamp(x, data.hand_low[a], data.hand_high[a]));
-  socket.send(hand.join(" ") + "\n");
+  tellPlay(hand.join(" "));
   drawSoon();
 }
 
 /// Another state at this place, if the grid has one: play goes there, and marks a snap.
 function nextLevel() {
-  if (hand && socket.readyState === WebSocket.OPEN) socket.send("next\n");
+  if (hand) tellPlay("next");
 }
 
 const depthStep = () => Math.max(...plus(data.high, data.low, -1)) / 40;
@@ -59,6 +59,13 @@ function showHelp() {
   say(element("say").className ? "" : lines.join("\n"), !element("say").className);
 }
 
+function download(name, address) {
+  const link = document.createElement("a");
+  link.download = name;
+  link.href = address;
+  link.click();
+}
+
 function save() {
   draw();
   const picture = document.createElement("canvas");
@@ -67,10 +74,7 @@ function save() {
   const c = picture.getContext("2d");
   if (gl) c.drawImage(gl.canvas, 0, 0, picture.width, picture.height);
   c.drawImage(legend, 0, 0);
-  const link = document.createElement("a");
-  link.download = `hapgrid-${frames.length ? frames[shown].time.toFixed(2) : 0}.png`;
-  link.href = picture.toDataURL("image/png");
-  link.click();
+  download(`hapgrid-${frames.length ? frames[shown].time.toFixed(2) : 0}.png`, picture.toDataURL("image/png"));
 }
 
 const actions = {
@@ -79,7 +83,7 @@ const actions = {
   next: nextLevel,
   sticks: () => { sticks = !sticks; drawSoon(); },
   fit: () => { fit(); drawSoon(); },
-  save, help: showHelp,
+  save, path: () => player && savePath(), help: showHelp,
 };
 const keys = { " ": "play", t: "turn", n: "next", b: "sticks", r: "fit", s: "save", h: "help", "?": "help" };
 

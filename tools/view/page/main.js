@@ -1,5 +1,6 @@
 // The page of view: `data` is the scene, and what it and a frame hold is in tools/view/page/page.cpp. In the file of
-// view --html the frames are in it; the live page of view --web gets both by a WebSocket.
+// view --html the frames are in it; the live page of view --web gets both by a WebSocket; the page of a grid makes the frames
+// itself (player.js).
 //
 // view decides what is seen: texts, colours, sizes, the arrow, bonds, sticks, the first camera, and all numbers of the
 // legend and of the light are data. The page turns the camera's axes itself, since a turn by the mouse must be seen at
@@ -105,18 +106,32 @@ function take(frame) {
   drawSoon();
 }
 
+/// This page is the hand from now on.
+function takeHand(at) {
+  hand = at;
+  for (const id of ["nearer", "farther", "turn", "next"]) element(id).hidden = false;
+  if (gl) say(player ? introduction() : "Drag: the hand.   ?: help");
+}
+
+/// Tells play, behind the socket or in this page, what the hand does.
+function tellPlay(line) {
+  if (player) {
+    player.wants_next ||= line === "next";
+    wake();
+  } else if (socket && socket.readyState === WebSocket.OPEN) {
+    socket.send(line + "\n");
+  }
+}
+
 function onMessage(message) {
   if (message.frame) {
-    socket.send(".\n");  // so that view sends no more than arrives
+    tellPlay(".");  // so that view sends no more than arrives
     take(decode(message.frame));
   } else if (message.scene) {
     data = message.scene;
     build();
     setPlaying(true);
-    if (!message.hand) return;
-    hand = message.hand;
-    for (const id of ["nearer", "farther", "turn", "next"]) element(id).hidden = false;
-    if (gl) say("Drag: the hand.   ?: help");
+    if (message.hand) takeHand(message.hand);
   } else if (message.ended) {
     ended = true;
     drawSoon();
@@ -139,7 +154,9 @@ function connect() {
   };
 }
 
-if (data) {
+if (packed) {
+  startPlayer().catch((e) => say(`This browser cannot play the grid: ${e.message ?? e}`, true));
+} else if (data) {
   for (const frame of recorded) frames.push(decode(frame));
   build();
   goToHash();

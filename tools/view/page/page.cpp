@@ -152,10 +152,12 @@ Json page_frame(const Scene& scene, const Frame& frame, const RenderOptions& opt
           {"turned", turned}};
 }
 
-std::string page_text(const std::string& data, const std::string& shown) {
+std::string page_text(const std::string& data, const std::string& shown,
+                      const std::string& packed) {
   return format(
-      "{}\"use strict\";\nlet data = {};\nconst recorded = [{}];\n{}</script>\n</body>\n</html>\n",
-      kPageHead, data, shown, kPageScript);
+      "{}\"use strict\";\nlet data = {};\nconst recorded = [{}];\nconst packed = {};\n{}</script>\n"
+      "</body>\n</html>\n",
+      kPageHead, data, shown, packed, kPageScript);
 }
 
 std::string script_of(const nlohmann::ordered_json& json) {

@@ -1,7 +1,8 @@
 // What view's page is made of. The page shows the scene in 3-D, which one can turn, the curves of
 // force and energy, marks where the state snapped, and a slider for the time. In the file of --html
-// the frames are in the page; the live page of --web gets the same texts as messages. Nothing is
-// loaded from elsewhere: the scripts and the numbers are in the page.
+// the frames are in the page; the live page of --web gets the same texts as messages; the page of a
+// grid (grid_page.hpp) makes its frames itself. Nothing is loaded from elsewhere: the scripts and
+// the numbers are in the page.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -25,7 +26,9 @@ nlohmann::ordered_json page_frame(const Scene& scene, const Frame& frame,
                                   const RenderOptions& options);
 
 /// The page with the text of its data, and those of frames with commas between them.
-std::string page_text(const std::string& data, const std::string& shown);
+/// @param packed JSON: the grid that the page plays by itself, and its player
+std::string page_text(const std::string& data, const std::string& shown,
+                      const std::string& packed = "null");
 
 /// JSON that can stand in a script: a stream's strings cannot end it.
 std::string script_of(const nlohmann::ordered_json& json);

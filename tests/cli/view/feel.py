@@ -1,0 +1,77 @@
+"""Feels a page that plays its grid by itself, from a file: pushes through the model until it snaps, and saves the path.
+
+usage: feel.py PAGE WIDTH     narrower than 600 pixels, a finger pushes; else the mouse does
+
+The last line is what the page shows at the end, as JSON."""
+import json
+import os
+import sys
+import tempfile
+import time
+
+from browser import Browser
+
+file, width = sys.argv[1], int(sys.argv[2])
+touch = width < 600
+height = 844 if touch else 900
+
+
+def push(page, way):
+    if touch:
+        page.fingers([way], step_s=0.03)
+    else:
+        page.drag(way, step_s=0.03)
+
+
+def begins(browser):
+    page = browser.open("file://" + file, width, height, touch)
+    page.wait("hand && frames.length > 2")
+    said = page.value("element('say').textContent")
+    assert "Drag" in said and "hapgrid 0" in said and page.value("data.own.grid") in said, said
+    assert page.value("document.documentElement.scrollWidth") <= width
+    # It begins outside of the model, where there is no force.
+    assert page.value("frames[0].size") <= 0.01 * page.value("data.full_force"), page.value("frames[0].size")
+    return page
+
+
+def pushes_until_it_snaps(page):
+    """To and fro along x, at the height of the middle, each time a little elsewhere."""
+    middle = "data.low.map((x, a) => (x + data.high[a]) / 2)"
+    left, top = page.value("(r => [r.left, r.top])(element('scene').getBoundingClientRect())")
+    for turn in range(12):
+        x, y = page.value("inPicture(hand)")
+        to = page.value(f"inPicture([{'data.high' if turn % 2 == 0 else 'data.low'}[0], hand[1], {middle}[2]])")
+        page.value(f"moveHand(0, 0, (hand[1] - {middle}[1] - {0.03 * turn} * (data.high[1] - data.low[1])))")
+        push(page, [(left + x + (to[0] - x) * i / 40, top + y + (to[1] - y) * min(1, i / 5)) for i in range(41)])
+        time.sleep(0.3)
+        if page.value("snaps") > 0:
+            return
+    raise AssertionError("nothing snaps")
+
+
+def saves(browser, page, folder):
+    page.value("element('play').click()")  # time stops
+    browser.ask("Browser.setDownloadBehavior", behavior="allow", downloadPath=folder)
+    page.value("element('path').click()")
+    deadline = time.monotonic() + 60
+    while not os.path.exists(os.path.join(folder, "hapgrid-path.txt")):
+        assert time.monotonic() < deadline, "no path"
+        time.sleep(0.05)
+    print(json.dumps(page.value("(f => ({hip: f.hip, force: f.force, snaps: f.jumps - 1, ticks: player.kept}))(frames[frames.length - 1])")))
+
+
+with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder, Browser(folder) as browser:
+    began = time.monotonic()
+    page = begins(browser)
+    print(f"{time.monotonic() - began:.1f} s to the first pictures, memory {page.value('player.memory.buffer.byteLength') / 1e6:.0f} MB")
+    pushes_until_it_snaps(page)
+    # A hand at rest: time stops after a while, and goes on when the hand moves.
+    page.wait("player.last === null")
+    at_rest = page.value("frames[frames.length - 1].time")
+    time.sleep(0.5)
+    assert page.value("frames[frames.length - 1].time") == at_rest
+    page.value("nextLevel()")
+    page.wait(f"frames[frames.length - 1].time > {at_rest}")
+    saves(browser, page, os.getcwd())
+    assert not browser.complaints, browser.complaints
+    assert all(url.startswith(("file:", "data:", "blob:")) for url in browser.requests), browser.requests

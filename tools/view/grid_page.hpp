@@ -1,0 +1,20 @@
+// The page that plays a grid by itself, without play and without a server.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "libcore/scene/drawing.hpp"
+
+namespace hapgrid {
+
+/// Whether a file is a shard and no stream of frames; false for what cannot be read at any place.
+bool is_grid(const std::string& name);
+
+/// @param model_path as model_path() takes it
+/// @throw Error when the page would be too large, or view was built without a compiler for
+/// WebAssembly; what pack_grid() and load_grid() throw
+std::string grid_page(const std::string& grid, const std::vector<std::string>& model_path,
+                      const RenderOptions& render);
+
+}  // namespace hapgrid
