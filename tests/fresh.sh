@@ -6,7 +6,7 @@
 #
 # The root gets what is committed here. Each step takes up where the one before it ended; by default all are done:
 #
-#   ball        the demonstration, and its grid is felt: the page is there, and closing it ends the play in good order
+#   ball        the demonstration, and the page in which its grid is felt
 #   own         a model of one's own, in Python and in the languages that have a compiler
 #   package     the Debian package is made; in a second root, which has no more than this one had, it is installed and works
 #   check       the tests
@@ -31,29 +31,17 @@ type_in() {
   eval "$lines"
 }
 
-# felt COMMAND...: starts hapgrid feel, fetches its page, and is a browser that takes the hand and goes.
+# felt COMMAND...: hapgrid feel; the page that it writes must have the scene, the player and the grid.
 felt() {
-  local said feel host port token page
-  said=$(mktemp)
-  "$@" 2>"$said" &
-  feel=$!
-  until grep -q '://' "$said"; do
-    kill -0 $feel || { cat "$said"; exit 1; }
-    sleep 0.1
-  done
-  IFS=:/ read -r host port token < <(sed -n 's|^hapgrid: feel: http://||p' "$said")
-  ask() { printf 'GET /%s HTTP/1.1\r\nHost: %s\r\n' "$1" "$host:$port" && printf '%s\r\n' "${@:2}" ''; }
-  exec {page}<>"/dev/tcp/$host/$port"
-  ask "$token/" >&$page
-  grep -q '<canvas' <&$page || { echo 'no page'; exit 1; }
-  exec {page}>&-
-  exec {page}<>"/dev/tcp/$host/$port"
-  ask "$token/ws" "Origin: http://$host:$port" 'Upgrade: websocket' 'Connection: Upgrade' 'Sec-WebSocket-Version: 13' \
-    'Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==' 'Sec-WebSocket-Protocol: hapgrid' >&$page
-  timeout 20 head -c 1000 <&$page | grep -aq '"scene"' || { echo 'no scene'; exit 1; }
-  exec {page}>&-
-  wait $feel
-  grep '^play: [0-9]* ticks' "$said" || { cat "$said"; exit 1; }
+  local said page
+  said=$("$@" 2>&1) || { echo "$said"; exit 1; }
+  page=$(sed -n 's/^hapgrid: feel: open in a browser: \([^ ]*\).*/\1/p' <<<"$said")
+  grep -q '^let data = {"model":"' "$page" || { echo "no scene in '$page': $said"; exit 1; }
+  sed -n 's/^const packed = {"player":"\([^"]*\)","grid":"\([^"]*\)"};$/\1 \2/p' "$page" | {
+    read -r player grid
+    ((${#player} > 40000 && ${#grid} > 10000)) || { echo "no player or no grid in '$page'"; exit 1; }
+  }
+  echo "$page: $(stat -c %s "$page") bytes"
 }
 
 do_ball() { commands README.md 'Feel the hung ball' | type_in; }

@@ -52,7 +52,7 @@ option = r"(?<![\w-])--[a-z][a-z-]*[a-z]"
 others = set("""--array --build --cores --cpus-per-task --energy --error-exitcode --exclusive --exhaustiveness --ff --install --ligand
     --maps --no-install-recommends --num --out --prefix --preset --release --scoring --seed --target --titration-state-method --wait --with-ph""".split())
 has = {tool: set(re.findall(option, subprocess.run([hapgrid, tool, "--help"], capture_output=True, text=True).stdout)) for tool in tools}
-has["feel"] |= has["play"]
+has["feel"] |= has["view"] | {"--output"}
 wrong = []
 for page in pages:
     own = re.sub(r".*/hapgrid-|.*/|\.h2m", "", page)

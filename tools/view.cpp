@@ -47,9 +47,7 @@ struct Options {
   std::string style = "spheres";
   bool web = false;
   std::string address = "127.0.0.1";
-  int port = -1;  // by default 0, a free one, and 8888 for --imd
-  bool close = false;
-  std::string hand;
+  int port = -1;         // by default 0, a free one, and 8888 for --imd
   std::string terminal;  // how to draw there; empty: not asked for
   bool imd = false;
 
@@ -136,9 +134,10 @@ int run_grid(const Options& options, RenderOptions how) {
     how.elevation_degrees = 10;
   }
   if (options.html.empty() || !options.xyz.empty() || !options.png.empty())
-    throw Error(options.frames +
-                ": is a grid, of which view makes a page that plays it, by --html alone; "
-                "play GRID --frames - makes frames");
+    throw UsageError(
+        options.frames +
+        ": is a grid, of which --html alone makes something, a page that plays it; play "
+        "GRID --frames - makes frames");
   OutputFile html(options.html, /*binary=*/false);
   html.write(grid_page(options.frames, options.model_path, how));
   html.commit();
@@ -155,9 +154,10 @@ int run(const Options& options) {
   announce_terminal(options.frames);
   RenderOptions how = render_options(options);
   if (is_grid(options.frames)) return run_grid(options, how);
+  if (!options.model_path.empty())
+    throw UsageError("--model-path is for a grid: frames need no model");
   if (options.web) {
-    run_web(options.frames,
-            {how, options.address, std::max(options.port, 0), options.hand, options.close});
+    run_web(options.frames, {how, options.address, std::max(options.port, 0)});
     return kExitDone;
   }
   if (options.imd) {
@@ -238,18 +238,11 @@ void add_file_options(CommandLine& app, Options& options) {
 
 void add_live_options(CommandLine& app, Options& options) {
   app.group("Live");
-  const Option web =
-      app.add_flag(
-             "--web", options.web,
-             "Serve a page that shows the frames in browsers, and write its address; a recorded "
-             "file plays at the speed at which it was recorded.")
-          .goes_with({"frames", "--hand", "--port", "--address", "--close", "--style", "--azimuth",
-                      "--elevation", "--hip-radius"});
-  app.add("--hand", options.hand,
-          "Named pipe into which the first page that is opened writes the hand's positions, for "
-          "play --device path:PIPE.")
-      .type("PIPE")
-      .needs(web);
+  app.add_flag("--web", options.web,
+               "Serve a page that shows the frames in browsers, and write its address; a recorded "
+               "file plays at the speed at which it was recorded.")
+      .goes_with(
+          {"frames", "--port", "--address", "--style", "--azimuth", "--elevation", "--hip-radius"});
   app.add("--port", options.port,
           "Port of --web (default: 0, one that is free) or --imd (default: 8888).")
       .type("PORT")
@@ -267,9 +260,6 @@ void add_live_options(CommandLine& app, Options& options) {
           "an IPv4 address")
       .shows_default()
       .needs_one_of({"--web", "--imd"});
-  app.add_flag("--close", options.close, "End after the last frame.")
-      .needs(web)
-      .hidden();  // for feel
   // A flag, so that a file's name behind it is not taken for its value.
   app.add_flag("--terminal{auto}", options.terminal,
                "Show the frames in the terminal. Default: auto, the best that the terminal can do.")

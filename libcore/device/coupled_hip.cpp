@@ -13,6 +13,15 @@ constexpr double kLongestTick = 0.004;
 
 }  // namespace
 
+std::pair<Vec3, Vec3> hand_range(const Box& box) {
+  const HipRange range{
+      .low = box.position({0, 0, 0}),
+      .high = box.position({box.counts[0] - 1, box.counts[1] - 1, box.counts[2] - 1})};
+  const double reach = kHandReach * range.longest_side();
+  const Vec3 margin{reach, reach, reach};
+  return {range.low - margin, range.high + margin};
+}
+
 CoupledHip::CoupledHip(const HipRange& range)
     : range_(range),
       speed_(kHandSpeed * range.longest_side()),

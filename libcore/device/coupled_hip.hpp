@@ -11,12 +11,12 @@
 // the hand's motion. When the model snaps, so that F is gone, it goes to the hand with the time
 // constant b / k, which also smooths positions that come only 60 to 125 times a second.
 //
-// The coupling is computed here, in the loop of play, and not in the viewer, whose forces are late
-// by a frame. With the force of the tick before, a tick dt moves the HIP the part dt / (b / k + dt)
-// of the way to h + F / k. So the HIP does not swing while K <= k (b / k) / dt = b / dt: at 1 kHz
-// behind walls of up to 30 k. A steeper wall can shake it, by no more than the safety core's guard
-// against buzzing allows. Between ticks only x is kept, and x is the position that a session
-// records: it can be replayed like any other.
+// The page that plays a grid by itself (tools/page/) computes the coupling in each tick. With the
+// force of the tick before, a tick dt moves the HIP the part dt / (b / k + dt) of the way to h + F
+// / k. So the HIP does not swing while K <= k (b / k) / dt = b / dt: at 1 kHz behind walls of up to
+// 30 k. A steeper wall can shake it, by no more than the safety core's guard against buzzing
+// allows. Between ticks only x is kept, and x is the position that a session records: it can be
+// replayed like any other.
 #pragma once
 
 #include <utility>
@@ -33,6 +33,9 @@ inline constexpr double kHandForce = 3;
 inline constexpr double kHandSpeed = 4;
 /// Time constant with which the HIP follows the hand, in seconds.
 inline constexpr double kHandSeconds = 0.03;
+
+/// The lowest and the highest place of a hand: as far outside the box as the HIP can lag behind it.
+std::pair<Vec3, Vec3> hand_range(const Box& box);
 
 /// The HIP on its spring. Real-time safe.
 class CoupledHip {

@@ -5,7 +5,7 @@
 #
 # The computing time goes from a tick's beginning to when its force was sent. It is measured on the hung
 # ball and on a molecule of 77 atoms (leu-enkephalin with 12 points a side: a state has 10 numbers), with the
-# grid alone, and of a live hand also with the model in a thread beside it. The paced loop's lateness is measured at 1 and 5 kHz,
+# grid alone. The paced loop's lateness is measured at 1 and 5 kHz,
 # in turns with cyclictest at the same priority, interval and length, since a virtual machine's own stalls
 # come and go; the medians over the turns are printed.
 # Run it as root, or with the limits that real time needs; cyclictest is in Debian's rt-tests.
@@ -38,30 +38,6 @@ for model in hung-ball leu-enkephalin; do
   printf '  %-16s p50 %s, p99 %s, p99.9 %s, max %s\n' "$model" \
     "$(key "$model.json" compute p50_us)" "$(key "$model.json" compute p99_us)" \
     "$(key "$model.json" compute p99.9_us)" "$(key "$model.json" compute max_us)"
-done
-
-# A live hand, whose places come through a pipe at 125 Hz as a mouse sends them: the grid alone, and with the model
-# in a thread beside it, in turns.
-live() { # GRID BESIDE
-  rm -f hand
-  mkfifo hand
-  awk 'NR % 8 == 0 { print; fflush(); system("sleep 0.008") }' path >hand &
-  play "$1" --device path:hand --rate 1000 --beside "$2" --report live.json 2>/dev/null
-  wait
-  printf '%s %s\n' "$(key live.json compute p50_us)" "$(key live.json compute p99_us)" >>"live.$2"
-}
-echo 'computing time of a tick of a live hand, us: p50, p99'
-for model in hung-ball leu-enkephalin; do
-  paths "$model.grid" 1000
-  rm -f live.on live.off
-  for _ in $(seq "$turns"); do
-    live "$model.grid" off
-    live "$model.grid" on
-  done
-  for beside in off on; do
-    printf '  %-16s model beside: %-3s %s, %s\n' "$model" $beside \
-      "$(cut -d ' ' -f 1 live.$beside | median)" "$(cut -d ' ' -f 2 live.$beside | median)"
-  done
 done
 
 # The 99th percentile of cyclictest's histogram of microseconds.

@@ -17,7 +17,6 @@ namespace {
 
 constexpr std::size_t kColumns = 80;
 constexpr std::size_t kNameColumns = 24;
-constexpr const char* kHidden = "hidden";  // messages have no name for an option of the group ""
 
 /// `text` in lines of at most kColumns, which begin with `indent` blanks, but for the first line.
 std::string filled(const std::string& text, std::size_t indent) {
@@ -90,7 +89,7 @@ class HelpFormatter : public CLI::FormatterBase {
       for (const CLI::Option* option : app->get_options())
         if (option->nonpositional() && option->get_group() == group)
           entries += option_entry(*option);
-      if (group != kHidden && !entries.empty()) help += "\n" + group + ":\n" + entries;
+      if (!entries.empty()) help += "\n" + group + ":\n" + entries;
     }
     std::istringstream footer("\n" + app->get_footer());
     for (std::string line; std::getline(footer, line);) help += wrapped(line) + "\n";
@@ -204,11 +203,6 @@ Option& Option::positive() {
 
 Option& Option::whole(std::int64_t low, std::int64_t high) {
   option_->check(CLI::Range(low, high).description(""));
-  return *this;
-}
-
-Option& Option::hidden() {
-  option_->group(kHidden);
   return *this;
 }
 

@@ -58,8 +58,6 @@ class Option {
   Option& positive();
   /// A whole number in [low, high].
   Option& whole(std::int64_t low, std::int64_t high);
-  /// Left out of --help: for programs of hapgrid, not for people.
-  Option& hidden();
   /// A number in [low, high], not NaN; `description` says so: "a rate from ...".
   Option& within(double low, double high, const std::string& description);
 

@@ -13,7 +13,6 @@
 #include "libcore/base/file.hpp"
 #include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
-#include "libcore/device/hand.hpp"
 #include "libcore/device/keyboard.hpp"
 #include "libcore/device/path.hpp"
 #include "libcore/device/replay.hpp"
@@ -54,15 +53,6 @@ DeviceChoice make(const std::string& argument) {
   return Choice{argument};
 }
 
-/// A pipe with a name has a hand at its other end. One without, as from `path:<(command)`, has a
-/// whole path, and its name is a link.
-DeviceChoice make_path(const std::string& argument) {
-  std::error_code ignored;  // what is not there is refused when it is opened
-  if (std::filesystem::symlink_status(argument, ignored).type() == std::filesystem::file_type::fifo)
-    return HandPipe{argument};
-  return PathFile{argument};
-}
-
 template <const char* kKind>
 DeviceChoice make_adapter(const std::string& argument) {
   return AdapterChoice{kKind, argument};
@@ -77,7 +67,7 @@ DeviceChoice make_process(const std::string& argument) {
 }
 
 constexpr Form kForms[] = {
-    {"path", Argument::kNeeded, "path:FILE", make_path},
+    {"path", Argument::kNeeded, "path:FILE", make<PathFile>},
     {"keys", Argument::kNone, "keys",
      [](const std::string&) { return DeviceChoice(TerminalKeys()); }},
     {"replay", Argument::kNeeded, "replay:FILE", make<ReplayFile>},
@@ -172,15 +162,12 @@ DeviceChoice parse_device(const std::string& name) {
 
 std::string input_file(const DeviceChoice& device) {
   if (const auto* path = std::get_if<PathFile>(&device)) return path->file;
-  if (const auto* hand = std::get_if<HandPipe>(&device)) return hand->pipe;
   if (const auto* replay = std::get_if<ReplayFile>(&device)) return replay->file;
   if (const auto* simulation = std::get_if<SimulationFile>(&device)) return simulation->file;
   return "";
 }
 
-bool is_live(const DeviceChoice& device) {
-  return std::holds_alternative<HandPipe>(device) || input_file(device).empty();
-}
+bool is_live(const DeviceChoice& device) { return input_file(device).empty(); }
 
 std::string keys_of(const DeviceChoice& device) {
   if (!std::holds_alternative<TerminalKeys>(device)) return "";
@@ -223,9 +210,6 @@ OpenDevice open_device(const DeviceChoice& device, const PlaySettings& settings,
       return {.device = std::move(device), .session = {}};
     }
     OpenDevice operator()(const PathFile& path) const { return open_path(path.file); }
-    OpenDevice operator()(const HandPipe& hand) const {
-      return live(std::make_unique<HandDevice>(hand.pipe, hip_range(settings, box)));
-    }
     OpenDevice operator()(const ReplayFile& replay) const {
       return open_replay(replay.file, virtual_hz);
     }

@@ -19,9 +19,6 @@ namespace hapgrid {
 struct PathFile {
   std::string file;  ///< "-": standard input
 };
-struct HandPipe {
-  std::string pipe;  ///< a named pipe
-};
 struct ReplayFile {
   std::string file;
 };
@@ -35,13 +32,12 @@ struct AdapterChoice {
   std::string kind, argument;
 };
 using DeviceChoice =
-    std::variant<PathFile, HandPipe, ReplayFile, SimulationFile, TerminalKeys, AdapterChoice>;
+    std::variant<PathFile, ReplayFile, SimulationFile, TerminalKeys, AdapterChoice>;
 
-/// Opens nothing. A path that is a named pipe is a hand. @throw UsageError for what is not a
-/// device's name
+/// Opens nothing. @throw UsageError for what is not a device's name
 DeviceChoice parse_device(const std::string& name);
 
-/// The file or pipe that tells what the hand does, "-" for standard input; empty for other devices.
+/// The file that tells what the hand does, "-" for standard input; empty for other devices.
 std::string input_file(const DeviceChoice& device);
 /// What its keys do, in a line for a viewer's screen; empty for a device that reads no keys.
 std::string keys_of(const DeviceChoice& device);

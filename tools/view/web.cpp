@@ -1,8 +1,5 @@
-// The page comes by HTTP; the scene, frames, the hand's moves and the end go over a WebSocket.
-//
-// Who is the hand. The first page that comes while nobody is. When that page is closed, or its
-// machine no longer answers, another one may take the hand within kGrace (a page that is loaded
-// anew); then the pipe is closed, by which play ends with a zero force.
+// The page comes by HTTP; the scene, frames and the end go over a WebSocket. Pages only watch: what
+// they send confirms what came.
 
 #include "tools/view/web.hpp"
 
@@ -22,10 +19,7 @@
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
 #include "libcore/base/format.hpp"
-#include "libcore/device/hand.hpp"
-#include "libcore/device/path.hpp"
 #include "tools/common/tool.hpp"
-#include "tools/view/hand.hpp"
 #include "tools/view/page/page.hpp"
 #include "tools/view/server.hpp"
 
@@ -33,13 +27,10 @@ namespace hapgrid {
 
 namespace {
 
-constexpr lws_usec_t kGrace = 2 * LWS_US_PER_SEC;
-constexpr lws_usec_t kFarewell = LWS_US_PER_SEC / 2;
 // Frames on the way to a page that it has not yet confirmed: on a slow line newer ones must not
 // queue behind them.
 constexpr int kMostOnTheWay = 4;
 constexpr std::size_t kMostWaiting = 3;
-constexpr std::size_t kLongestMove = 255;  // bytes
 
 std::string random_token() {
   std::array<unsigned char, 16> bytes{};
@@ -59,12 +50,8 @@ std::string header(lws* wsi, lws_token_indexes which) {
 class WebServer : public Server {
  public:
   explicit WebServer(const WebOptions& options)
-      : Server(options.address, options.port, kProtocols.data(), 0), options_(options) {
-    grace_.act = [this] {
-      if (!holder_) hand_.reset();
-    };
-  }
-  /// Waits for the scene, takes the hand's pipe, says the page's address, and serves.
+      : Server(options.address, options.port, kProtocols.data(), 0), options_(options) {}
+  /// Waits for the scene, says the page's address, and serves.
   void run(const std::string& frames);
 
  private:
@@ -75,7 +62,6 @@ class WebServer : public Server {
     bool told_end = false;       // knows that there is no frame after those that it has
     int on_the_way = 0;          // frames that it has not confirmed
     std::deque<Message> frames;  // to be sent, the oldest first
-    std::string heard;           // the beginning of a line
   };
 
   int answer(lws* wsi, lws_callback_reasons reason, void* in, size_t size) override;
@@ -83,26 +69,22 @@ class WebServer : public Server {
   int send_body(lws* wsi);
   bool admits(lws* wsi) const;
   void begin(lws* wsi);
-  void end(lws* wsi);
   int hear(lws* wsi, std::string_view text);
   int speak(lws* wsi);
   void show() override;
   void finish() override;
   std::string address() const;
-  std::string scene_text(bool is_hand) const;
+  std::string scene_text() const;
 
   static constexpr std::array<lws_protocols, 3> kProtocols{
       {{"http", call, 0, 0, 0, nullptr, 0},
        {"hapgrid", call, 0, 4096, 0, nullptr, 0},
        {nullptr, nullptr, 0, 0, 0, nullptr, 0}}};
   const WebOptions& options_;
-  std::optional<Hand> hand_;
-  lws* holder_ = nullptr;  // whose page is the hand
   std::string token_ = random_token();
   std::string page_ = page_text("null", "");
   std::map<lws*, Client> clients_;
   bool has_frame_ = false;
-  Timer grace_{};
 };
 
 std::string WebServer::address() const {
@@ -114,8 +96,6 @@ std::string WebServer::address() const {
 
 void WebServer::run(const std::string& frames) {
   open(frames);
-  // Play has opened the pipe before the scene came.
-  if (!options_.hand.empty()) hand_.emplace(options_.hand, feed_->scene().box);
   OutputFile output("-", /*binary=*/false);
   output.write(address() + "\n");
   output.commit();
@@ -138,7 +118,7 @@ int WebServer::answer(lws* wsi, lws_callback_reasons reason, void* in, size_t si
       begin(wsi);
       return 0;
     case LWS_CALLBACK_CLOSED:
-      end(wsi);
+      clients_.erase(wsi);
       return 0;
     case LWS_CALLBACK_RECEIVE:
       return hear(wsi, text);
@@ -181,52 +161,22 @@ bool WebServer::admits(lws* wsi) const {
 
 void WebServer::begin(lws* wsi) {
   clients_[wsi] = {};
-  if (hand_ && !holder_) {
-    holder_ = wsi;
-    ::lws_sul_cancel(&grace_);
-  }
   if (has_frame_) ::lws_callback_on_writable(wsi);
 }
 
-void WebServer::end(lws* wsi) {
-  clients_.erase(wsi);
-  if (holder_ != wsi) return;
-  holder_ = nullptr;
-  start(grace_, kGrace);
-}
-
-/// Lines: a confirmation, which is a dot, where the hand is, or that it wants the next level.
+/// A confirmation is the line ".".
 int WebServer::hear(lws* wsi, std::string_view text) {
   Client& client = clients_[wsi];
-  client.heard += text;
-  std::size_t begin = 0;
-  std::optional<Vec3> place;
-  for (std::size_t end; (end = client.heard.find('\n', begin)) != std::string::npos;
-       begin = end + 1) {
-    const std::string line = client.heard.substr(begin, end - begin);
-    if (line == ".") {
-      client.on_the_way = std::max(0, client.on_the_way - 1);
-      ::lws_callback_on_writable(wsi);
-    } else if (line == kHandNext) {
-      if (wsi == holder_ && hand_) hand_->next_level();
-    } else {
-      try {
-        if (const auto tick = parse_tick(line)) place = tick->x;
-      } catch (const Error&) {
-        return -1;
-      }
-    }
+  for (const char c : text) {
+    if (c != '.' && c != '\n') return -1;
+    client.on_the_way -= c == '.' && client.on_the_way > 0;
   }
-  client.heard.erase(0, begin);
-  if (client.heard.size() > kLongestMove) return -1;
-  if (place && wsi == holder_ && hand_) hand_->move_to(*place);
+  ::lws_callback_on_writable(wsi);
   return 0;
 }
 
-std::string WebServer::scene_text(bool is_hand) const {
-  nlohmann::ordered_json message{{"scene", page_scene(feed_->scene(), frame_, options_.render)}};
-  if (is_hand) message["hand"] = hand_->place().value_or(frame_.position);
-  return script_of(message);
+std::string WebServer::scene_text() const {
+  return script_of({{"scene", page_scene(feed_->scene(), frame_, options_.render)}});
 }
 
 /// One message at a time: libwebsockets asks again when the next one can go.
@@ -235,7 +185,7 @@ int WebServer::speak(lws* wsi) {
   if (!has_frame_) return 0;
   std::string text;
   if (!client.told) {
-    text = scene_text(wsi == holder_ && hand_);
+    text = scene_text();
     client.told = true;
   } else if (!client.frames.empty() && client.on_the_way < kMostOnTheWay) {
     text = *client.frames.front();
@@ -265,7 +215,6 @@ void WebServer::show() {
 
 void WebServer::finish() {
   for (const auto& [wsi, client] : clients_) ::lws_callback_on_writable(wsi);
-  if (options_.close) end_after(kFarewell);
 }
 
 }  // namespace
@@ -274,8 +223,8 @@ void run_web(const std::string& frames, const WebOptions& options) {
   WebServer server(options);
   if (!options.address.starts_with("127."))
     say("view",
-        format("whoever reaches {} and learns the page's address can watch, or be the hand; "
-               "nothing on the way is encrypted",
+        format("whoever reaches {} and learns the page's address can watch; nothing on the way "
+               "is encrypted",
                options.address));
   server.run(frames);
 }

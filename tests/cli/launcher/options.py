@@ -82,7 +82,7 @@ FILTERS = {
     "view": ({"": "one.frames"}, {
         "--xyz": Option("a.xyz"), "--hip-label": Option("He", {"--xyz": "a.xyz"}), "--png": Option("a.png", SMALL),
         "--at": Option("0", {**SMALL, "": "frames"}), "--html": Option("a.html"), "--web": Option(),
-        "--hand": Option("pipe", {"--web": None}), "--port": Option("80", *LIVE), "--address": Option("198.51.100.2", *LIVE),
+        "--model-path": Option("plugins", {"": "own.grid", "--html": "a.html"}), "--port": Option("80", *LIVE), "--address": Option("198.51.100.2", *LIVE),
         "--terminal": Option("symbols"), "--imd": Option(None, {"--address": "198.51.100.1"}), "--style": Option("sticks", *PICTURES),
         "--size": Option("40x30", SMALL), "--azimuth": Option("50", *PICTURES),
         "--elevation": Option("30", *PICTURES), "--hip-radius": Option("0.5", *PICTURES)}),
@@ -97,8 +97,8 @@ SILENT = {
 }
 SILENT[("--allow-process", "--model-path")] = SILENT[("--model-path", "--allow-process")]
 SILENT |= {(a, "--model-path"): "is for a process, as --allow-process" for a in ("--process-timeout", "--in-flight")}
-SILENT |= {(a, b): "nobody can listen there, or the pipe is not there: no page is served" for b in ("--port", "--address", "--hand")
-           for a in ("--hand", "--style", "--azimuth", "--elevation", "--hip-radius")}
+SILENT |= {(a, b): "nobody can listen there: no page is served" for b in ("--port", "--address")
+           for a in ("--style", "--azimuth", "--elevation", "--hip-radius")}
 SILENT |= {("--model-path", a): "is for a plug-in" for a in ("--process-timeout", "--in-flight")}
 
 

@@ -12,11 +12,6 @@ trace() { # NAME COMMAND...
 trace path play grid --device path:path --log log "${common[@]}"
 trace session play grid --device path:path --log log.session "${common[@]}"
 trace replay play grid --device replay:log.session "${common[@]}"
-mkfifo hand
-exec 5<>hand
-echo 0.1 0 0 >&5
-trace hand play grid --device path:hand --duration 2 "${common[@]}"
-exec 5>&-
 cat >keys.sh <<END
 strace -f -o trace.keys play grid --device keys --duration 2 ${common[*]} 2>err
 END

@@ -1,6 +1,6 @@
 """Feels a page that plays its grid by itself, from a file: pushes through the model until it snaps, and saves the path.
 
-usage: feel.py PAGE WIDTH     narrower than 600 pixels, a finger pushes; else the mouse does
+usage: feel.py PAGE WIDTH [bare]     narrower than 600 pixels, a finger pushes; else the mouse does; bare: without WebGL
 
 The last line is what the page shows at the end, as JSON."""
 import json
@@ -60,6 +60,27 @@ def saves(browser, page, folder):
     print(json.dumps(page.value("(f => ({hip: f.hip, force: f.force, snaps: f.jumps - 1, ticks: player.kept}))(frames[frames.length - 1])")))
 
 
+def goes_to_the_next_level(browser):
+    """In the middle, where the ball can hang on either side of the HIP."""
+    page = browser.open("file://" + file, width, height)
+    page.wait("hand && frames.length > 2")
+    assert page.value("gl === null && element('say').textContent.includes('WebGL')")
+    page.value("hand = [0, 0, 0], wake()")
+    page.wait("Math.abs(frames[frames.length - 1].hip[0]) < 0.1")
+    place = "Math.sign(frames[frames.length - 1].centres[0] - frames[frames.length - 1].hip[0])"
+    for press in ("window.dispatchEvent(new KeyboardEvent('keydown', {key: 'n'}))", "element('next').click()"):
+        side, snaps = page.value(f"[{place}, snaps]")
+        page.value(press)
+        page.wait(f"{place} === {-side} && snaps === {snaps + 1}")
+        page.wait(f"element('status').textContent.includes('snaps {snaps + 1}')")
+    assert not browser.complaints, browser.complaints
+
+
+if sys.argv[3:]:
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+        with Browser(folder, "--disable-gpu", "--disable-3d-apis") as browser:
+            goes_to_the_next_level(browser)
+    sys.exit()
 with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder, Browser(folder) as browser:
     began = time.monotonic()
     page = begins(browser)

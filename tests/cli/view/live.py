@@ -1,8 +1,10 @@
-"""Drives the live page of hapgrid feel in Chromium.
+"""Watches the live page of view in Chromium, and ends the play.
 
-usage: live.py mouse|finger|next ADDRESS
+usage: live.py ADDRESS PID     of the play
 """
 import asyncio
+import os
+import signal
 import sys
 import tempfile
 import urllib.error
@@ -38,79 +40,42 @@ def strangers_are_refused(address):
     assert not asyncio.run(comes_in(socket, None))
 
 
-def line(from_x, to_x, y, steps):
-    return [(from_x + (to_x - from_x) * i / steps, y) for i in range(steps + 1)]
-
-
-def goes_to_the_next_level(browser, address):
-    """Without WebGL, where the page has no picture. The HIP begins beside the ball, which can hang on either side of it."""
-    page = browser.open(address)
-    page.wait("hand && frames.length > 2")
-    assert page.value("gl === null && element('say').textContent.includes('WebGL')")
-    place = "Math.sign(frames[frames.length - 1].centres[0] - frames[frames.length - 1].hip[0])"
-    for press in ("window.dispatchEvent(new KeyboardEvent('keydown', {key: 'n'}))", "element('next').click()"):
-        side, snaps = page.value(f"[{place}, snaps]")
-        page.value(press)
-        page.wait(f"{place} === {-side} && snaps === {snaps + 1}")
-        page.wait(f"element('status').textContent.includes('snaps {snaps + 1}')")
-    assert not browser.complaints, browser.complaints
-    page.close()
+def moves_nothing(address):
+    """A page that sends anything but a confirmation is sent away."""
+    async def sends():
+        async with websockets.connect(address.replace("http:", "ws:") + "ws", subprotocols=["hapgrid"],
+                                      origin="http://" + address.split("/")[2]) as socket:
+            await socket.send("0.1 0 0\n")
+            try:
+                while True:
+                    await asyncio.wait_for(socket.recv(), 60)
+            except websockets.exceptions.ConnectionClosed:
+                return
+    asyncio.run(sends())
 
 
 def main():
-    how, address = sys.argv[1:]
-    if how == "next":
-        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
-            with Browser(folder, "--disable-gpu", "--disable-3d-apis") as browser:
-                goes_to_the_next_level(browser, address)
-        return
+    address, play = sys.argv[1], int(sys.argv[2])
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder, Browser(folder) as browser:
-        touch = how == "finger"
-        width, height = (390, 844) if touch else (1000, 720)
-        page = browser.open(address, width, height, touch)
-        page.wait("hand && frames.length > 2")
+        pages = [browser.open(address, *size) for size in ((1000, 720), (390, 844))]
         strangers_are_refused(address)
-        watcher = browser.open(address, 600, 500)
-        watcher.wait("frames.length > 2")
-        page.to_front()
-        # How many pixels the hand has to go: to x = -0.7 and then to 0.9.
-        pixel = page.value("pixel()")
-        x, y = width / 2, 200
-        there = x - (page.value("hand[0]") + 0.7) / pixel
-        back = there + 1.6 / pixel
-
-        def push(start, end, steps):
-            if touch:
-                page.fingers([line(start, end, y, steps)])
-            else:
-                page.drag(line(start, end, y, steps))
-        push(x, there, 8)
-        page.wait("frames[frames.length - 1].hip[0] < -0.55")
-        if touch:
-            page.value("element('farther').dispatchEvent(new PointerEvent('pointerdown')),"
-                       "element('farther').dispatchEvent(new PointerEvent('pointerup'))")
-        else:
-            page.wheel(x, y, -100)
-        snapped = page.value("snaps")  # once, where the ball hung to the left of the HIP
-        push(there, back, 20)
-        page.wait(f"snaps === {snapped + 1} && frames[frames.length - 1].hip[0] > 0.6")
-        watcher.wait(f"snaps === {snapped + 1} && frames[frames.length - 1].hip[0] > 0.6")
-        # It sees the other's hand, and has none.
-        assert watcher.value("hand") is None
-        watcher.wait("Math.abs(frames[frames.length - 1].hand[0] - 0.9) < 0.05")
-        # Two fingers, or the other button, turn the picture and leave the hand.
-        before = page.value("[hand[0], view.axes[0][0], view.zoom]")
-        if touch:
-            page.fingers([line(100, 160, 300, 10), line(200, 320, 300, 10)])
-            assert page.value("view.zoom") > 1.1 * before[2]
-        else:
-            page.drag(line(300, 350, 300, 10), button="right")
-        assert page.value("view.axes[0][0]") != before[1] and page.value("hand[0]") == before[0]
-        # The page keeps the last seconds alone.
-        assert page.value("frames[frames.length - 1].time - frames[0].time") <= page.value("kLiveSeconds")
+        moves_nothing(address)
+        for page in pages:
+            page.to_front()
+            page.wait("frames.length > 2")
+            assert page.value("hand") is None and page.value("element('next').hidden && element('path').hidden")
+            snapped = page.value("snaps")
+            page.wait(f"snaps > {snapped}")
+            page.wait("frames[frames.length - 1].hip[0] > 0.6")
+            # A drag turns the picture, and the page keeps the last seconds alone.
+            before = page.value("view.axes[0][0]")
+            page.drag([(300 + 5 * i, 300) for i in range(10)])
+            assert page.value("view.axes[0][0]") != before
+            assert page.value("frames[frames.length - 1].time - frames[0].time") <= page.value("kLiveSeconds")
+        os.kill(play, signal.SIGTERM)
+        for page in pages:
+            page.wait("ended")
         assert not browser.complaints, browser.complaints
-        page.close()  # ends the play
-        watcher.wait("ended")
 
 
 main()

@@ -61,7 +61,7 @@ class Player:
             await asyncio.Future()
 
     async def play(self, socket):
-        await socket.send(json.dumps({"scene": self.scene, "hand": [0, 0, 0]}))
+        await socket.send(json.dumps({"scene": self.scene}))
         for i in range(2 * HALF):
             if i % HALF == 0:
                 await asyncio.get_running_loop().run_in_executor(None, self.go.acquire)

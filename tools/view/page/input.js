@@ -9,13 +9,15 @@ function moveHand(right, down, nearer) {
   const [side, up, near] = view.axes, unit = pixel();
   const at = plus(plus(plus(hand, side, unit * right), up, -unit * down), near, nearer);
   hand = at.map((x, a) => clamp(x, data.hand_low[a], data.hand_high[a]));
-  tellPlay(hand.join(" "));
+  wake();
   drawSoon();
 }
 
 /// Another state at this place, if the grid has one: play goes there, and marks a snap.
 function nextLevel() {
-  if (hand) tellPlay("next");
+  if (!hand) return;
+  player.wants_next = true;
+  wake();
 }
 
 const depthStep = () => Math.max(...plus(data.high, data.low, -1)) / 40;

@@ -106,32 +106,21 @@ function take(frame) {
   drawSoon();
 }
 
-/// This page is the hand from now on.
+/// This page is the hand.
 function takeHand(at) {
   hand = at;
   for (const id of ["nearer", "farther", "turn", "next"]) element(id).hidden = false;
-  if (gl) say(player ? introduction() : "Drag: the hand.   ?: help");
-}
-
-/// Tells play, behind the socket or in this page, what the hand does.
-function tellPlay(line) {
-  if (player) {
-    player.wants_next ||= line === "next";
-    wake();
-  } else if (socket && socket.readyState === WebSocket.OPEN) {
-    socket.send(line + "\n");
-  }
+  if (gl) say(introduction());
 }
 
 function onMessage(message) {
   if (message.frame) {
-    tellPlay(".");  // so that view sends no more than arrives
+    socket.send(".\n");  // so that view sends no more than arrives
     take(decode(message.frame));
   } else if (message.scene) {
     data = message.scene;
     build();
     setPlaying(true);
-    if (message.hand) takeHand(message.hand);
   } else if (message.ended) {
     ended = true;
     drawSoon();
@@ -147,7 +136,6 @@ function connect() {
   socket = new WebSocket(address, "hapgrid");
   socket.onmessage = (e) => onMessage(JSON.parse(e.data));
   socket.onclose = () => {
-    hand = null;
     ended = true;
     if (!element("say").className) say(data ? "" : "view has no frames for this page any more");
     if (data) drawSoon();

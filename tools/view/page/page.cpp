@@ -7,12 +7,12 @@
 #include "libcore/base/format.hpp"
 #include "libcore/base/json_text.hpp"
 #include "libcore/base/text.hpp"
+#include "libcore/device/coupled_hip.hpp"
 #include "libcore/grid/box.hpp"
 #include "libcore/scene/bonds.hpp"
 #include "libcore/scene/legend.hpp"
 #include "libcore/scene/light.hpp"
 #include "libcore/scene/torsion.hpp"
-#include "tools/view/hand.hpp"
 #include "tools/view/status.hpp"
 
 namespace hapgrid {

@@ -232,6 +232,16 @@ class Work:
             raise Failed(ran.fault(os.path.basename(words[0])))
         return ran
 
+    def feel_page(self, grid):
+        """Makes feel.html, which plays a grid by itself. [its name], or [] where there can be none, since it would be too
+        large for instance, and that is said."""
+        if os.path.lexists(self.path("feel.html")):
+            os.remove(self.path("feel.html"))
+        ran = self.run("view", grid, "--html", "feel.html", good=(0, 1))
+        if ran.code:
+            self.say(f"no feel.html: {ran.fault('view')}")
+        return [] if ran.code else ["feel.html"]
+
     def each(self, what, compute, values, threads):
         """[compute(value)] of several values, so many at a time. what: they are, for the line of progress."""
         tell, out = self.counted(what, len(values)), []

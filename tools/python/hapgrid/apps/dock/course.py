@@ -194,7 +194,7 @@ def _page(work, name):
         made.append(picture)
     levels = report["average_levels"]
     table = "".join("<tr>" + "".join(f"<td>{v:.2f}" for v in row[:4]) for row in rows)
-    page.write_frame(work, name, f"""<p>The hand holds the ligand's centre, and the ligand turns by itself. A place has
+    made += page.write_frame(work, name, f"""<p>The hand holds the ligand's centre, and the ligand turns by itself. A place has
 {levels:.2f} orientations on average, {len(report["levels_histogram"]) - 1} at most.
 <iframe src="played.html" title="the ligand on its way"></iframe>
 <h2>The way in and back</h2>
@@ -202,7 +202,7 @@ def _page(work, name):
 <img src="energy.png" alt="energy on the way"> <img src="force.png" alt="force on the way">
 <h2>The deepest poses</h2>
 <table><tr><th>energy / (kJ/mol)<th>x / Å<th>y / Å<th>z / Å{table}</table>""")
-    return [*made, "index.html"]
+    return made
 
 
 def _way(points, energy, links, counts):

@@ -17,6 +17,8 @@ from .xyz import frames, frames_of
 ALL_BONDS = 4 | 8  # of RDKit: bonds between all atoms, each once
 CURVES = (("energy.png", "own_energy", "energy of the molecule / (kJ/mol)"), ("force.png", "sent", "force on the hand / N"))
 METHODS = {"gfn2": "GFN2-xTB", "gfnff": "GFN-FF"}
+FEEL = """<p><a href="feel.html">Push the molecule with the mouse or a finger</a>: this page needs neither hapgrid nor a
+network, and can be sent to others."""
 SPINS = ("singlet", "doublet", "triplet", "quartet", "quintet")
 
 
@@ -36,8 +38,9 @@ def write(start, turned, ways):
     x, y = (log[a][len(log[a]) // 2] - log[a][0] for a in "xy")
     azimuth = f"{np.degrees(np.arctan2(y, x)):.0f}"  # from which the probe comes from the left
     run("view", "played.frames", "--azimuth", azimuth, "--elevation", "10", "--html", "played.html")
-    kept.write("index.html", page(start, turned, ways))
-    return ["played.log", "played.frames", "played.xyz", "played.pdb", *(name for name, *_ in CURVES), "played.html",
+    felt = kept.feel_page(f"{kept.name()}.grid")
+    kept.write("index.html", page(start, turned, ways, felt))
+    return [*felt, "played.log", "played.frames", "played.xyz", "played.pdb", *(name for name, *_ in CURVES), "played.html",
             "index.html"]
 
 
@@ -51,7 +54,7 @@ def pdb(rd, shapes):
     return Chem.MolToPDBBlock(rd, flavor=ALL_BONDS)
 
 
-def page(start, turned, ways):
+def page(start, turned, ways, felt):
     kept = start.folder
     name = kept.name()
     one = frames(kept.path("conformation.xyz"))[0]
@@ -73,7 +76,7 @@ def page(start, turned, ways):
         "SAID": html.escape(kept.read(ways[0]).split("\n", 1)[0].lstrip("# ")),
         "FACTS": "".join(f"<dt>{key}<dd>{value if key == 'Formula' else html.escape(value)}"
                          for key, value in facts.items() if value),
-        "GRID": html.escape(shlex.quote(f"{name}.grid")), "WAY": html.escape(shlex.quote(f"path:{ways[0]}")),
+        "FEEL": FEEL if felt else "", "GRID": html.escape(shlex.quote(f"{name}.grid")), "WAY": html.escape(shlex.quote(f"path:{ways[0]}")),
         "TOML": html.escape(f"{name}.toml"), "TABLE": barriers(kept), "METHOD": html.escape(method),
         "MOLECULE": json.dumps(molecule).replace("<", "\\u003c"), "VERIFY": html.escape(kept.read("verify.txt"))}
     return re.sub("@([A-Z]+)@", lambda found: parts[found[1]], TEMPLATE)

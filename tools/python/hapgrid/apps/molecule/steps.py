@@ -164,5 +164,5 @@ def show(start, shapes, paths):
               lambda: page.write(start, start.turned_by(paths), made))
     kept.say(f"done: {kept.in_shell('index.html')} sums up")
     grid, way = kept.in_shell(grid), kept.in_shell(made[0])
-    kept.say(f"hapgrid feel {grid} is a page in which the mouse is the hand")
+    kept.say(f"{kept.in_shell('feel.html')} is a page in which the mouse is the hand; so is hapgrid feel {grid}")
     return f"hapgrid play {grid} --device path:{way} --rate 1000 --frames - | hapgrid view --web"

@@ -9,6 +9,8 @@ import urllib.parse
 import numpy as np
 from hapgrid.apps.common import plots
 
+FEEL = """<a href="feel.html">Feel it with the mouse or a finger</a>: this page needs neither hapgrid nor a network, and can be
+sent to others."""
 STYLE = """body { font: 16px/1.5 sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em; color: #222 }
 table { border-collapse: collapse } td, th { padding: 0.2em 0.8em; border-bottom: 1px solid #8c8c8c; text-align: left }
 img { max-width: 100% } iframe { width: 100%; height: 34em; border: 1px solid #8c8c8c } code { background: #eee }
@@ -127,7 +129,9 @@ def along(work, grid, unit, length_unit, prefix=""):
 
 
 def write_frame(work, name, body):
-    """index.html: the body, how to feel the grid, and its report."""
+    """index.html: the body, how to feel the grid, and its report; feel.html. [their names]"""
+    felt = work.feel_page(f"{name}.grid")
+    link = f"<p>{FEEL}\n" if felt else ""
     title, quoted = html.escape(name), urllib.parse.quote(name)
     work.write("index.html", f"""<!DOCTYPE html>
 <meta charset="utf-8">
@@ -137,7 +141,7 @@ def write_frame(work, name, body):
 {STYLE}
 </style>
 <h1>{title}</h1>
-<p>To feel it, in this folder:
+{link}<p>To feel it, in this folder:
 <p><code>hapgrid feel {title}.grid</code>
 <p>Another device goes behind <code>hapgrid play {title}.grid --device</code>: see <code>hapgrid play --help</code>.
 {body}
@@ -145,6 +149,7 @@ def write_frame(work, name, body):
 <pre>{html.escape(work.read("verify.txt"))}</pre>
 <p>The definition is <a href="{quoted}.toml">{title}.toml</a>: change it, and the same command computes the grid anew.
 """)
+    return [*felt, "index.html"]
 
 
 def write(work, name, values):
@@ -160,11 +165,11 @@ def write(work, name, values):
     if scale:
         rows.append(("force on the device", f"{scale:.4g} N for 1 {unit} in 1 {length}"))
     table = "".join(f"<tr><td>{a}<td>{b}" for a, b in rows)
-    write_frame(work, name, f"""<table>{table}</table>
+    made += write_frame(work, name, f"""<table>{table}</table>
 <h2>The energy</h2>
 <img src="slices.png" alt="three planes">
 <h2>A way through the lowest point and back</h2>
 <p>Blue balls are the deepest minima.
 <iframe src="played.html" title="the way"></iframe>
 <img src="energy.png" alt="energy on the way"> <img src="force.png" alt="force on the way">""")
-    return [*made, "index.html"]
+    return made

@@ -1,21 +1,14 @@
-// A hand without a force. The HIP on its spring has closed forms behind a wall and after a snap;
-// play itself, with a grid, is in tests/cli/play/hand.sh.
-#include "libcore/device/hand.hpp"
+// The HIP on the spring of a hand without a force has closed forms behind a wall and after a snap.
+// A grid in a page is in tests/cli/view/grid-page.sh.
+#include "libcore/device/coupled_hip.hpp"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
-#include <chrono>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
 
 #include "libcore/grid/vec3.hpp"
 #include "tests/unit/catch.hpp"
-#include "tests/unit/count_allocations.hpp"
-#include "tests/unit/refusal.hpp"
-#include "tests/unit/temporary.hpp"
 
 using namespace hapgrid;
 
@@ -39,35 +32,6 @@ std::vector<double> pressed(CoupledHip& hip, double stiffness, double hand) {
   }
   return xs;
 }
-
-/// A pipe's other end, and the device at it.
-struct Ends {
-  TemporaryDirectory dir;
-  std::string name = dir.file("hand");
-  HandDevice device = make();
-  FileDescriptor writer;
-
-  HandDevice make() const {
-    REQUIRE(::mkfifo(name.c_str(), 0600) == 0);
-    return HandDevice(name, kRange);
-  }
-  void open() { writer = FileDescriptor(::open(name.c_str(), O_WRONLY | O_NONBLOCK)); }
-  void write(std::string_view text) const {
-    REQUIRE(::write(writer.get(), text.data(), text.size()) == static_cast<ssize_t>(text.size()));
-  }
-  /// Reads until `done`, for 20 s at most. @return what read() said last
-  template <class Done>
-  DeviceStatus read_until(Done&& done) {
-    const auto begin = std::chrono::steady_clock::now();
-    DeviceInput input;
-    DeviceStatus status = DeviceStatus::kOk;
-    while (status == DeviceStatus::kOk && !done(input) &&
-           std::chrono::steady_clock::now() - begin < std::chrono::seconds(20))
-      status = device.read(input);
-    return status;
-  }
-};
-const auto kNever = [](const DeviceInput&) { return false; };
 
 }  // namespace
 
@@ -133,47 +97,8 @@ TEST_CASE("a leap of the hand, a hiccup and absurd numbers move the HIP no faste
   }
 }
 
-TEST_CASE("positions come in pieces; what is none is named with its line") {
-  HandLines lines;
-  CHECK_FALSE(lines.read("1 2"));
-  CHECK_FALSE(lines.read(" 3"));
-  CHECK(lines.read("\n# a comment\n\n4 5") == Vec3{1, 2, 3});
-  CHECK(lines.read(" 6\r\n7 8 9\n1 1 1") == Vec3{7, 8, 9});
-  CHECK(lines.nexts() == 0);
-  CHECK(lines.read("\n2 2 2\nnext\nnext\n3 ") == Vec3{2, 2, 2});
-  CHECK(lines.nexts() == 2);
-  CHECK(lines.read("3 3\n1 1 1") == Vec3{3, 3, 3});
-  CHECK(lines.finish() == Vec3{1, 1, 1});
-  const auto refusal = [](std::string_view bytes) {
-    return testing::refusal([&] {
-      HandLines refusing;
-      refusing.read(bytes);
-      refusing.finish();
-    });
-  };
-  CHECK(refusal("\n0 0 nan") == "line 2: 'nan' is not finite");
-  CHECK(refusal("0 0 0\n" + std::string(300, ' ')) == "line 2: longer than 256 bytes");
-  CHECK(refusal("0 0 0\n\n").empty());
-}
-
-TEST_CASE("the hand holds still before it moves, allocates nothing, and ends with its pipe") {
-  Ends ends;
-  DeviceInput input;
-  CHECK(ends.device.info().unit == DeviceInfo::Unit::kModel);
-  for (int i = 0; i < 100; ++i) {
-    REQUIRE(ends.device.read(input) == DeviceStatus::kOk);
-    REQUIRE(input.position == kRange.start);
-  }
-  ends.open();
-  ends.write("0.25 0.1 -0.1\n");
-  const std::uint64_t before = testing::allocations_of_thread();
-  const DeviceStatus status = ends.read_until([&](const DeviceInput& now) {
-    return ends.device.send({0, 0, 0}) == DeviceStatus::kOk && now.position[0] > 0.249;
-  });
-  CHECK(testing::allocations_of_thread() == before);
-  CHECK(status == DeviceStatus::kOk);
-  ends.writer = FileDescriptor();
-  CHECK(ends.read_until(kNever) == DeviceStatus::kEnd);
-  CHECK(ends.device.stop() == DeviceStatus::kOk);
-  CHECK_THROWS_AS(HandDevice(ends.dir.file("none"), kRange), std::system_error);
+TEST_CASE("a hand goes no farther out than the HIP can lag behind it") {
+  const auto [low, high] = hand_range({.origin = {0, 0, 0}, .spacing = 0.5, .counts = {5, 3, 3}});
+  CHECK(low[1] == Approx(-2 * kHandReach));
+  CHECK(high[0] == Approx(2 + 2 * kHandReach));
 }
