@@ -27,7 +27,8 @@ using Json = nlohmann::ordered_json;
 // Force and shape together may take this part of the 200 microseconds of a tick at 5 kHz.
 constexpr double kLoopBudget = 100e-6;
 
-constexpr double kEstimateShare = 0.25;  // of the time
+constexpr double kEstimateShare = 0.25;    // of the time
+constexpr std::uint64_t kFewestCalls = 5;  // of C, that tell how long one takes
 
 struct Options {
   DefinitionOptions definition;
@@ -77,6 +78,7 @@ std::string report_text(const GridSpec& spec, const ModelInfo& info, const Model
   row("d_max",
       format("{}{}; the longest step of this grid, sqrt(3) h, is {}{}", rounded(info.d_max), length,
              rounded(std::sqrt(3.0) * spec.box.spacing), length));
+  row("start", time_text(m.start_seconds));
   row("conversion", calls_text(m.convert));
   if (m.force.calls) row("force", calls_text(m.force));
   if (m.shape.calls) row("shape", calls_text(m.shape));
@@ -95,8 +97,14 @@ std::string report_text(const GridSpec& spec, const ModelInfo& info, const Model
   const std::string tears =
       spec.tears ? format(" and {} for tear fractions", e->tear_conversions) : "";
   row("whole grid",
-      format("about {} levels a point, {} conversions{}: about {} on one core", fixed(e->levels, 2),
-             e->conversions, tears, time_text(e->cpu_seconds, 2)));
+      format(
+          "about {} levels a point ({} to {}), {} conversions{}: about {} ({} to {}) on one core",
+          fixed(e->levels.value, 2), fixed(e->levels.least, 2), fixed(e->levels.most, 2),
+          e->conversions, tears, time_text(e->cpu_seconds.value, 2),
+          time_text(e->cpu_seconds.least, 2), time_text(e->cpu_seconds.most, 2)));
+  row("",
+      format("from the search of coarser grids of the same box, up to {} points: {} conversions",
+             e->points, e->searched));
   row("memory",
       format("play {}, expand up to {}", megabytes(e->play_bytes), megabytes(e->expand_bytes)));
   return text;
@@ -111,15 +119,20 @@ std::string report_json(const GridSpec& spec, const ModelInfo& info, const Model
   json["checks"] = checks_json(spec.box, m.checks);
   json["d_max"] = info.d_max;
   json["longest_step"] = std::sqrt(3.0) * spec.box.spacing;
+  json["start_seconds"] = m.start_seconds;
   json["convert"] = calls_json(m.convert);
   json["force"] = m.force.calls ? calls_json(m.force) : Json();
   json["shape"] = m.shape.calls ? calls_json(m.shape) : Json();
   json["largest_force_newtons"] = m.largest_force;
   json["median_force_error"] = info.force_scale > 0 ? Json(m.median_force_error) : Json();
-  json["grid"] = e ? Json{{"levels", e->levels},
+  json["grid"] = e ? Json{{"levels", e->levels.value},
+                          {"levels_range", {e->levels.least, e->levels.most}},
                           {"conversions", e->conversions},
                           {"tear_conversions", e->tear_conversions},
-                          {"cpu_seconds", e->cpu_seconds},
+                          {"cpu_seconds", e->cpu_seconds.value},
+                          {"cpu_seconds_range", {e->cpu_seconds.least, e->cpu_seconds.most}},
+                          {"points_searched", e->points},
+                          {"conversions_searched", e->searched},
                           {"play_bytes", e->play_bytes},
                           {"expand_bytes", e->expand_bytes}}
                    : Json();
@@ -129,9 +142,11 @@ std::string report_json(const GridSpec& spec, const ModelInfo& info, const Model
 int run(const Options& options) {
   const Definition definition = load_definition(options.definition, options.output);
   const auto source = model_source(definition, options.definition.file, options.model);
-  const auto model = source->create(definition.parameters);
+  auto model = source->create(definition.parameters);
+  const ModelInfo info = model->info();
   const GridSpec spec = spec_of(definition, *model);
   const Seeds seeds = seed_states(definition, *model);
+  model.reset();  // where processes = 1, there is never another one
 
   const ModelCheck found = check_model(
       spec, seeds, [&] { return create_model(*source, spec); }, options.steps,
@@ -139,19 +154,27 @@ int run(const Options& options) {
   // The time that a broken model takes for a conversion says nothing.
   std::optional<GridEstimate> estimate;
   std::string no_estimate = "a check is broken";
-  if (!is_broken(found.checks)) try {
+  if (found.convert.calls < kFewestCalls)
+    no_estimate = format(
+        "too few steps: {} conversion{} tell nothing of the others. --seconds gives "
+        "them more time",
+        found.convert.calls, found.convert.calls == 1 ? "" : "s");
+  else if (!is_broken(found.checks))
+    try {
       estimate =
-          estimate_grid(definition, *source, kEstimateShare * options.seconds, found.convert.mean);
+          estimate_grid(definition, *source, kEstimateShare * options.seconds, found.convert.usual);
     } catch (const Error& e) {
-      no_estimate = format("the search of a coarser grid failed: {}", e.what());
+      no_estimate = e.what();
+      if (!no_estimate.starts_with("too few steps"))
+        no_estimate = "the search of a coarser grid failed: " + no_estimate;
     }
   OutputFile output(options.output, /*binary=*/false);
   if (options.format == "json")
-    output.write(report_json(spec, model->info(), found, estimate));
+    output.write(report_json(spec, info, found, estimate));
   else if (options.format == "junit")
     output.write(report_junit("check-model", spec.model, found.checks));
   else
-    output.write(printable_text(report_text(spec, model->info(), found, estimate, no_estimate)));
+    output.write(printable_text(report_text(spec, info, found, estimate, no_estimate)));
   output.commit();
   say("check-model", verdict_line(found.checks));
   return is_fine(found.checks) ? kExitDone : kExitInvalid;
@@ -169,15 +192,19 @@ int main(int argc, char** argv) {
   app.set_help(
       "check-model",
       "Checks:\n"
-      "  felt           a note where the model has no force\n"
+      "  felt           a note where the model has no force, or one that nobody feels\n"
+      "  spread         a note where states that count as the same are far apart\n"
+      "  memory         a note where the model takes ever more\n"
       "  defined        C answers at every step of the grid\n"
       "  deterministic  C, asked again and asked of a second model, answers with the same bits\n"
+      "  among          C answers with the same bits when it has several questions at a time\n"
       "  together       the same while two threads ask two models\n"
       "  stays          C(s, x, 0) = s within the tolerance\n"
       "  stable         it comes back from a push of 10 tolerances to one side or to the other\n"
       "  reflexive, symmetric   of the tolerance function\n"
       "  finite         forces and shapes are finite numbers\n"
-      "  gradient       the force is the energy's negative gradient, within 2 % of the largest\n"
+      "  gradient       the force is the energy's negative gradient, within 2 % of the largest,\n"
+      "                 and along each axis within 1 % in all\n"
       "  strong         a note where forces are beyond 100 N\n"
       "  sane           the model finds no mistake in its parameters, where it has a check\n"
       "  halves         9 of 10 steps end in the same state when they are made in two halves\n"

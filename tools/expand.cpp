@@ -180,6 +180,10 @@ int run(const Options& options) {
     const unsigned threads =
         options.threads > 0 ? options.threads : static_cast<unsigned>(all_threads());
     Converter converter(*source, spec, threads, progress);
+    if (converter.models() < threads)
+      say("expand", format("the model wants no more than {} of the {} threads (processes = {}); "
+                           "hapgrid rounds --parts N uses more processors",
+                           converter.models(), threads, converter.models()));
     const ProgressLine line(
         [&](double seconds) { return progress_text(progress, spec, options.complete, seconds); });
     if (options.complete)

@@ -1,17 +1,17 @@
-! hapgrid's model interface (<hapgrid/plugin.h>, interface version 4) in Fortran 2008: the
+! hapgrid's model interface (<hapgrid/plugin.h>, interface version 5) in Fortran 2008: the
 ! structs of the header as interoperable types, and procedures that every model in Fortran needs.
 ! Copy this file beside your model; spring.f90 shows how it is used. The header explains what each
 ! function must do.
 !
 ! Threads: hapgrid creates one model for each thread. So a model keeps its variables in a derived
-! type of its own (c_loc of it is the handle) and none in a module. Compile it with -frecursive:
+! type of its own (c_loc of it is the handle) and none in a module, or says info%processes = 1. Compile it with -frecursive:
 ! gfortran otherwise makes large local arrays static.
 module hapgrid_model
   use, intrinsic :: iso_c_binding
   implicit none
   public
 
-  integer(c_int32_t), parameter :: hapgrid_model_interface = 4
+  integer(c_int32_t), parameter :: hapgrid_model_interface = 5
 
   ! hapgrid_parameter%type.
   integer(c_int32_t), parameter :: hapgrid_boolean = 0, hapgrid_number = 1, hapgrid_text = 2, &
@@ -42,6 +42,7 @@ module hapgrid_model
     real(c_double) :: hip_radius
     integer(c_int32_t) :: spheres
     integer(c_int32_t) :: torsions
+    integer(c_int32_t) :: processes
   end type
 
   type, bind(c) :: hapgrid_sphere

@@ -36,6 +36,9 @@ constexpr std::uint32_t kFewestPoints = 4;  // along the longest side of the fir
 constexpr double kFiner = 0.7;              // the stride of the next box, for that of the last one
 // A conversion of a bisection goes half a step or less.
 constexpr double kBisectionStep = 0.5;
+// What a single coarse grid may be wrong by: tests/cli/check-model/slow/estimate.sh.
+constexpr double kUnknownFactor = 3;
+constexpr double kRuleOfThree = 3;
 
 /// A thread that sets `stop` after a time, unless it is destroyed before.
 std::jthread set_alarm(std::atomic<int>& stop, Clock::time_point when) {
@@ -113,76 +116,117 @@ FileDescriptor memory_file() {
 }
 std::string name_of(const FileDescriptor& file) { return format("/proc/self/fd/{}", file.get()); }
 
-/// The levels of a point, and how many conversions for tear fractions there are for one of the
-/// others.
-using Found = std::pair<double, double>;
+/// What one search has found.
+struct Found {
+  double levels = 1;  ///< of a point
+  double tear_share =
+      0;  ///< how many conversions for tear fractions there are for one of the others
+  std::uint64_t points = 0, conversions = 0;
+  bool is_whole = true;  ///< it has come to its end
+};
 
-/// Searches a grid from its seeds until its end, or until `end`; sets `is_whole` to which of them.
-Found search(const Definition& definition, const ModelSource& source, Model& model,
-             Clock::time_point end, bool& is_whole) {
-  const GridSpec spec = spec_of(definition, model);
+double count(std::uint64_t n) { return static_cast<double>(n); }
+
+/// Searches a grid from its seeds until its end, or until `end`.
+Found search(const Definition& definition, std::unique_ptr<Model>& model, Clock::time_point end) {
+  const GridSpec spec = spec_of(definition, *model);
   const FileDescriptor seeds = memory_file(), grid = memory_file();
   SectionWriter seed_writer(seeds.get(), name_of(seeds), {Content::kGrid, 0, spec});
-  write_seeds(definition, spec, model, seed_writer);
+  write_seeds(definition, spec, *model, seed_writer);
   std::atomic<int> stop{0};
   Progress progress;
   progress.stop = &stop;
-  Converter converter(source, spec, 1, progress);
-  is_whole = true;
+  Converter converter(std::move(model), spec, progress);
+  Found found;
   try {
     const std::jthread timer = set_alarm(stop, end);
     complete(open_grid(name_of(seeds)), converter, progress, [&](const SectionHeader& header) {
       return SectionWriter(grid.get(), name_of(grid), header);
     });
   } catch (const Stopped&) {
-    is_whole = false;
+    found.is_whole = false;
   }
-  const auto count = [](std::uint64_t n) { return static_cast<double>(n); };
-  return {std::max(1.0, count(progress.records) / count(spec.box.points())),
-          count(progress.tear_conversions) / std::max(1.0, count(progress.conversions))};
+  model = converter.take_model();
+  found.points = spec.box.points();
+  found.conversions = progress.conversions;
+  found.levels = std::max(1.0, count(progress.records) / count(found.points));
+  found.tear_share = count(progress.tear_conversions) / std::max(1.0, count(progress.conversions));
+  return found;
 }
 
+/// The last of a series of searches, and between how many levels a point most likely has.
+struct Series {
+  Found last;
+  Range levels;
+  std::uint64_t conversions = 0;  ///< of all
+};
+
 /// Searches finer and finer grids.
-Found search_all(const Definition& definition, const ModelSource& source, Model& model,
-                 double seconds) {
+Series search_all(const Definition& definition, std::unique_ptr<Model>& model, double seconds) {
+  const Seeds seeds = seed_states(definition, *model);  // a process has started then
   const auto begin = Clock::now();
   const auto end =
       begin + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
-  const Seeds seeds = seed_states(definition, model);
-  std::uint32_t stride = coarsest(definition.box, model.info().d_max);
-  bool is_whole = true;
-  Found found = search(coarser(definition, seeds, stride, model), source, model, end, is_whole);
-  while (is_whole && stride > 1 && Clock::now() < end) {
+  std::uint32_t stride = coarsest(definition.box, model->info().d_max);
+  Series series;
+  const auto search_next = [&] {
+    const Found found = search(coarser(definition, seeds, stride, *model), model, end);
+    series.conversions += found.conversions;
+    return found;
+  };
+  series.last = search_next();
+  if (!series.last.is_whole)
+    throw Error(
+        format("too few steps: {} conversions in {:.0f} s are not the end of the search of a "
+               "coarser grid, "
+               "of {} points. --seconds gives it more time",
+               series.last.conversions, seconds, series.last.points));
+  double changed = kUnknownFactor - 1;  // of the levels beyond the first
+  while (stride > 1 && Clock::now() < end) {
     stride = std::min(stride - 1, static_cast<std::uint32_t>(stride * kFiner + 1));
-    const Found finer =
-        search(coarser(definition, seeds, stride, model), source, model, end, is_whole);
-    if (is_whole) found = finer;
+    const Found finer = search_next();
+    if (!finer.is_whole) break;
+    changed = 2 * std::abs(finer.levels / series.last.levels - 1);
+    series.last = finer;
   }
-  return found;
+  const Found& last = series.last;
+  // Where no more levels were seen at n points, at most 3 in n have some (95 %).
+  const double open = last.points < definition.box.points() ? kRuleOfThree / count(last.points) : 0;
+  const double most = last.levels * (1 + changed + open);
+  series.levels = {last.levels, std::max(1.0, last.levels / (1 + changed + open)), most};
+  return series;
 }
 
 }  // namespace
 
 GridEstimate estimate_grid(const Definition& definition, const ModelSource& source, double seconds,
-                           double seconds_a_conversion) {
-  const auto model = source.create(definition.parameters, definition.store);
-  const auto [levels, tear_share] = search_all(definition, source, *model, seconds);
+                           const Range& conversion) {
+  std::unique_ptr<Model> model = source.create(definition.parameters, definition.store);
+  const Series series = search_all(definition, model, seconds);
+  const double levels = series.levels.value;
   const Box& box = definition.box;
   GridEstimate estimate;
-  estimate.levels = levels;
+  estimate.levels = series.levels;
+  estimate.points = series.last.points;
+  estimate.searched = series.conversions;
   // Pairs of neighbours: along each axis n - 1 to each side and n in place, less the points.
   std::uint64_t pairs = 1;
-  for (const std::uint32_t count : box.counts) pairs *= 3 * std::uint64_t{count} - 2;
-  const double conversions = levels * static_cast<double>(pairs - box.points());
-  const double tear_conversions = tear_share * conversions;
+  for (const std::uint32_t n : box.counts) pairs *= 3 * std::uint64_t{n} - 2;
+  const double conversions = levels * count(pairs - box.points());
+  const double tear_conversions = series.last.tear_share * conversions;
   const auto whole = [](double x) { return static_cast<std::uint64_t>(std::llround(x)); };
   estimate.conversions = whole(conversions);
   estimate.tear_conversions = whole(tear_conversions);
-  estimate.cpu_seconds = conversions * (seconds_a_conversion + kRequestSeconds) +
-                         tear_conversions * kBisectionStep * seconds_a_conversion;
+  const auto cost = [&](double of_levels, double of_one) {
+    return of_levels / levels *
+           (conversions * (of_one + kRequestSeconds) + tear_conversions * kBisectionStep * of_one);
+  };
+  estimate.cpu_seconds = {cost(levels, conversion.value),
+                          cost(series.levels.least, conversion.least),
+                          cost(series.levels.most, conversion.most)};
   const std::uint32_t width = model->row_size();
-  estimate.play_bytes = whole(levels * static_cast<double>(box.points() * record_bytes(width)) +
-                              static_cast<double>(box.points() * sizeof(RecordIndex)));
+  estimate.play_bytes = whole(levels * count(box.points() * record_bytes(width)) +
+                              count(box.points() * sizeof(RecordIndex)));
   const auto slices = static_cast<std::uint64_t>(2 * Neighbourhood(box).reach());
   estimate.expand_bytes =
       std::min(box.points(), slices) * kDirections * sizeof(double) * std::uint64_t{width};

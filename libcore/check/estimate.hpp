@@ -8,22 +8,31 @@
 
 namespace hapgrid {
 
-struct GridEstimate {
-  double levels = 1;                   ///< a point
-  std::uint64_t conversions = 0;       ///< of the rounds
-  std::uint64_t tear_conversions = 0;  ///< of the round of tear fractions; 0 without them
-  double cpu_seconds = 0;              ///< of both, on one core
-  std::uint64_t play_bytes = 0;        ///< of the grid in memory
-  std::uint64_t expand_bytes = 0;      ///< of the requests around the frontier
+/// An amount, and between which two it most likely is.
+struct Range {
+  double value = 0, least = 0, most = 0;
 };
 
-/// Searches a coarse grid in the same box, then finer ones while there is time. The last one gives
-/// the levels of a point and the share of conversions for tear fractions. When there is no time for
-/// any, the part that was searched stands for the grid. The estimate can be wrong by a factor of 3.
-/// @param seconds the time for all searches
-/// @param seconds_a_conversion of a step of the whole grid
-/// @throw Error, ModelError when a search fails
+struct GridEstimate {
+  Range levels;                        ///< a point
+  std::uint64_t conversions = 0;       ///< of the rounds
+  std::uint64_t tear_conversions = 0;  ///< of the round of tear fractions; 0 without them
+  Range cpu_seconds;                   ///< of both, on one core
+  std::uint64_t play_bytes = 0;        ///< of the grid in memory
+  std::uint64_t expand_bytes = 0;      ///< of the requests around the frontier
+  std::uint64_t points = 0;            ///< of the finest grid that was searched for this
+  std::uint64_t searched = 0;          ///< conversions of all of these searches
+};
+
+/// Searches a coarse grid in the same box, then finer ones while there is time. The last one that
+/// ended gives the levels of a point and the share of conversions for tear fractions. The range of
+/// levels is what they changed by from the grid before, twice, to either side, and at least what
+/// the number of points leaves open; of a single grid, a factor of 3 of the levels beyond the
+/// first. The range of the time also has the spread of the conversions.
+/// @param seconds the time for all searches, from when the model has started
+/// @param conversion of a step of the whole grid, in seconds
+/// @throw Error, ModelError when a search fails, or none ended in this time
 GridEstimate estimate_grid(const Definition& definition, const ModelSource& source, double seconds,
-                           double seconds_a_conversion);
+                           const Range& conversion);
 
 }  // namespace hapgrid

@@ -122,9 +122,7 @@ Findings for_each_record(const Grid& grid, std::span<const RecordIndex> records,
                          const MakeModel& make_model, int threads,
                          std::atomic<std::uint64_t>& records_done, Work&& work_on) {
   std::vector<Findings> blocks((records.size() + kSampleBlock - 1) / kSampleBlock);
-  std::vector<std::unique_ptr<Model>> models;
-  models.reserve(static_cast<std::size_t>(threads));
-  for (int t = 0; t < threads; ++t) models.push_back(make_model());
+  const std::vector<std::unique_ptr<Model>> models = make_models(make_model, threads);
   for_each_with_own(blocks.size(), models, [&](const std::unique_ptr<Model>& model, std::size_t b) {
     std::vector<double> numbers;
     const std::size_t end = std::min(records.size(), (b + 1) * kSampleBlock);

@@ -60,17 +60,18 @@ bool is_broken(const std::vector<Check>& checks) {
 }
 
 std::string verdict_line(const std::vector<Check>& checks) {
-  std::string broken, open;
+  std::string broken, open, remarks;
   std::size_t passed = 0;
   for (const Check& c : checks) {
     if (c.verdict() == "ok") ++passed;
+    if (!c.remark.empty()) remarks += (remarks.empty() ? ", but " : "; ") + c.remark;
     if (c.verdict() == "broken")
       broken += format("{}{} ({} of {})", broken.empty() ? "" : ", ", c.name, c.found.offenders,
                        c.found.counted);
     if (c.verdict() == "not proved") open += (open.empty() ? "" : ", ") + c.name;
   }
-  if (broken.empty() && open.empty()) return format("fine: {} checks", passed);
-  if (broken.empty()) return "not proved: " + open;
+  if (broken.empty() && open.empty()) return format("fine: {} checks{}", passed, remarks);
+  if (broken.empty()) return "not proved: " + open + remarks;
   return "broken: " + broken + (open.empty() ? "" : "; not proved: " + open);
 }
 

@@ -81,6 +81,9 @@ struct Check {
   /// Why the check neither found an offender nor proved that there is none, and what to do; empty
   /// where it did.
   std::string not_proved{};
+  /// A few words for the verdict's line, where everything may be fine, but who reads no report must
+  /// know this; empty where there is nothing.
+  std::string remark{};
   /// "ok", "broken", "not proved" or "note"
   std::string verdict() const {
     if (is_note) return "note";
@@ -93,8 +96,8 @@ bool is_fine(const std::vector<Check>& checks);
 /// Whether a check is broken.
 bool is_broken(const std::vector<Check>& checks);
 
-/// One line: "fine: 8 checks", "broken: links (3 of 104), distinct (1 of 2)", or "not proved:
-/// passive".
+/// One line: "fine: 8 checks", "fine: 8 checks, but nothing can be felt", "broken: links (3 of
+/// 104), distinct (1 of 2)", or "not proved: passive".
 std::string verdict_line(const std::vector<Check>& checks);
 
 /// The checks whose figures and first offenders a text shows.

@@ -122,9 +122,7 @@ Check check_snaps(const Grid& grid, std::span<const RecordIndex> records,
   const std::vector<Link> others = links_of(grid, records, two_way, true);
   std::vector<std::string> elsewhere(snaps.size());
   std::vector<double> distances(others.size(), -1);
-  std::vector<std::unique_ptr<Model>> models;
-  models.reserve(static_cast<std::size_t>(threads));
-  for (int t = 0; t < threads; ++t) models.push_back(make_model());
+  const std::vector<std::unique_ptr<Model>> models = make_models(make_model, threads);
   const std::size_t work = snaps.size() + others.size();
   for_each_with_own(work, models, [&](const std::unique_ptr<Model>& model, std::size_t i) {
     const auto [r, q] = i < snaps.size() ? snaps[i] : others[i - snaps.size()];

@@ -30,6 +30,7 @@ std::string difference(const ModelDescription& a, const ModelDescription& b) {
 }
 
 std::string difference(const GridSpec& a, const GridSpec& b) {
+  if (a.model != b.model) return format("model {} and {}", a.model, b.model);
   for (int i = 0; i < 3; ++i) {
     if (a.box.origin[i] != b.box.origin[i])
       return format("origin {} {} and {}", "xyz"[i], to_text(a.box.origin[i]),
@@ -39,7 +40,6 @@ std::string difference(const GridSpec& a, const GridSpec& b) {
   }
   if (a.box.spacing != b.box.spacing)
     return format("spacing {} and {}", to_text(a.box.spacing), to_text(b.box.spacing));
-  if (a.model != b.model) return format("model {} and {}", a.model, b.model);
   if (a.max_levels != b.max_levels)
     return format("level limit {} and {}", a.max_levels, b.max_levels);
   if (a.parameters != b.parameters) {

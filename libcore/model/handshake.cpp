@@ -131,10 +131,11 @@ ModelInfo read_info(const Json& in) {
   only_keys(in, "its first line",
             {"hapgrid", "state_size", "d_max", "tolerance", "tolerance_unit", "norm", "weights",
              "period", "length_unit", "energy_unit", "force_scale", "hip_radius", "stored",
-             "spheres", "version", "in_flight"});
+             "spheres", "version", "in_flight", "processes"});
   ModelInfo info;
   info.state_size = whole_number(in, "state_size", kMaxStateSize);
   info.in_flight = in.contains("in_flight") ? whole_number(in, "in_flight", kMaxInFlight) : 0;
+  info.processes = in.contains("processes") ? whole_number(in, "processes", kMaxInFlight) : 0;
   info.d_max = number(in, "d_max");
   info.tolerance = number(in, "tolerance");
   info.tolerance_unit = text(in, "tolerance_unit", kMaxUnit);

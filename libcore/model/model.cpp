@@ -1,5 +1,6 @@
 #include "libcore/model/model.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <cctype>
 #include <cmath>
@@ -7,6 +8,7 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
+#include "libcore/base/memory_use.hpp"
 
 namespace hapgrid {
 
@@ -70,6 +72,8 @@ void Model::convert_all(const NextConversion& next, const ConversionDone& done) 
     done(c, convert(c.s, c.x, c.d, c.row) ? std::string_view() : error_);
 }
 
+std::uint64_t Model::memory_bytes() const { return memory_of_this_process(); }
+
 Vec3 Model::force(const Vec3&, const double*) const {
   assert(!"this model has no force");
   return {0, 0, 0};
@@ -89,8 +93,18 @@ void Model::shape(const Vec3&, const double*, std::span<float>) const {
   assert(!"this model has no shape");
 }
 
+std::vector<std::unique_ptr<Model>> make_models(const MakeModel& make_model, int threads) {
+  std::vector<std::unique_ptr<Model>> models;
+  do {
+    models.push_back(make_model());
+    if (const std::uint32_t most = models.front()->info().processes; most > 0)
+      threads = std::min(threads, static_cast<int>(std::min(most, kMaxInFlight)));
+  } while (models.size() < static_cast<std::size_t>(threads));
+  return models;
+}
+
 std::unique_ptr<Model> declared_model(const GridSpec& spec) {
-  ModelInfo info{spec, /*d_max=*/std::numeric_limits<double>::infinity(), 0, {}};
+  ModelInfo info{spec, /*d_max=*/std::numeric_limits<double>::infinity(), 0, 0, {}};
   return std::make_unique<DeclaredModel>(std::move(info));
 }
 

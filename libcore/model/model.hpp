@@ -26,6 +26,7 @@ inline constexpr std::uint32_t kMaxInFlight = 1024;
 struct ModelInfo : ModelDescription {
   double d_max = 0;               ///< conversions are defined for |d| up to this
   std::uint32_t in_flight = 0;    ///< questions that a process wants at a time; 0: it does not say
+  std::uint32_t processes = 0;    ///< the most models that may work side by side; 0: any number
   std::vector<Torsion> torsions;  ///< of the spheres
 
   /// @throw ModelError when a number is out of its range.
@@ -87,6 +88,9 @@ class Model {
   /// thread.
   virtual void abandon() noexcept {}
 
+  /// Resident bytes of the program that the model runs in; 0 where they are not known.
+  virtual std::uint64_t memory_bytes() const;
+
   /// The tolerance function. Real-time safe.
   virtual bool equal(const double* a, const double* b) const = 0;
 
@@ -119,6 +123,9 @@ class Model {
 };
 
 using MakeModel = std::function<std::unique_ptr<Model>()>;
+
+/// A model for each of `threads`, or for fewer where no more may work side by side.
+std::vector<std::unique_ptr<Model>> make_models(const MakeModel& make_model, int threads);
 
 /// Where models come from: a plug-in, or a command that the user allowed.
 class ModelSource {

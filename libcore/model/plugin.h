@@ -10,7 +10,8 @@
  *
  * Threads. A model (what create() returned) is used by one thread at a time. A program that
  * computes in parallel creates one model a thread, all from the same parameters, and expects the
- * same bits from each: convert() must depend on its arguments and the parameters alone. create()
+ * same bits from each: convert() must depend on its arguments and the parameters alone. Where a
+ * library cannot bear that, info.processes = 1 says so: then one thread asks one model. create()
  * is called by one thread at a time, so that it may read files with libraries that are not
  * thread-safe; all other functions are called while create() may run.
  *
@@ -33,7 +34,7 @@ extern "C" {
 #endif
 
 /* Raised by every change that a compiled plug-in would notice. */
-#define HAPGRID_MODEL_INTERFACE 4
+#define HAPGRID_MODEL_INTERFACE 5
 
 enum hapgrid_parameter_type {
   HAPGRID_BOOLEAN = 0, /* numbers[0] is 0 or 1 */
@@ -55,11 +56,7 @@ typedef struct hapgrid_parameter {
 /* Bits of hapgrid_model_info.stored: what takes too long for the haptic loop. expand evaluates it
  * once for each state that it finds, the grid carries it, and play interpolates it without the
  * model (Sect. 2.2 of the paper). */
-enum hapgrid_stored {
-  HAPGRID_STORE_FORCE = 1,
-  HAPGRID_STORE_SHAPE = 2,
-  HAPGRID_STORE_ENERGY = 4
-};
+enum hapgrid_stored { HAPGRID_STORE_FORCE = 1, HAPGRID_STORE_SHAPE = 2, HAPGRID_STORE_ENERGY = 4 };
 
 /* What hapgrid_model_table.periods() writes for the components of an orientation. */
 #define HAPGRID_ROTATION (-1.0)
@@ -80,6 +77,8 @@ typedef struct hapgrid_model_info {
   double hip_radius;    /* of the ball that the HIP moves, for pictures; 0 when it is none */
   uint32_t spheres;     /* how many spheres show a state; 0 without spheres() and shape() */
   uint32_t torsions;    /* how many torsions people watch; 0 without torsions() */
+  uint32_t processes;   /* 1: one process each, because models in one process share data; 0: any
+                         * number of models may work side by side */
 } hapgrid_model_info;
 
 /* What stays the same of a sphere, whatever the state. */

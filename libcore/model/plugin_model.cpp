@@ -106,6 +106,7 @@ ModelInfo info_of(const hapgrid_model_table& table, const hapgrid_model* model,
   info.energy_unit = in.energy_unit;
   info.version = in.version;
   info.force_scale = in.force_scale;
+  info.processes = in.processes;
   info.hip_radius = in.hip_radius;
   info.stored = {(in.stored & HAPGRID_STORE_FORCE) != 0, (in.stored & HAPGRID_STORE_ENERGY) != 0,
                  (in.stored & HAPGRID_STORE_SHAPE) != 0};
@@ -143,6 +144,13 @@ ModelInfo info_of(const hapgrid_model_table& table, const hapgrid_model* model,
   return info;
 }
 
+/// One for the program: create() runs alone, as the libraries that plug-ins use want it (Open Babel
+/// reads one file at a time), and so does every call of a model that shares data with others.
+std::mutex& turn() {
+  static std::mutex mutex;
+  return mutex;
+}
+
 using OwnedModel = std::unique_ptr<hapgrid_model, void (*)(hapgrid_model*)>;
 
 class PluginModel final : public Model {
@@ -160,6 +168,7 @@ class PluginModel final : public Model {
   bool complete(const Vec3& x, double* row) override;
 
   bool equal(const double* a, const double* b) const override {
+    const auto lock = my_turn();
     return table_.equal(model_.get(), a, b) != 0;
   }
   bool has_force() const override { return table_.force != nullptr; }
@@ -167,14 +176,19 @@ class PluginModel final : public Model {
   bool has_shape() const override { return table_.shape != nullptr; }
   Vec3 force(const Vec3& x, const double* s) const override {
     Vec3 f{0, 0, 0};
+    const auto lock = my_turn();
     table_.force(model_.get(), x.data(), s, f.data());
     return f;
   }
   double energy(const Vec3& x, const double* s) const override {
+    const auto lock = my_turn();
     return table_.energy(model_.get(), x.data(), s);
   }
   bool has_own_energy() const override { return table_.own_energy != nullptr; }
-  double own_energy(const double* s) const override { return table_.own_energy(model_.get(), s); }
+  double own_energy(const double* s) const override {
+    const auto lock = my_turn();
+    return table_.own_energy(model_.get(), s);
+  }
   bool has_check() const override { return table_.check != nullptr; }
   std::vector<std::string> check() override {
     std::vector<std::string> problems;
@@ -188,10 +202,16 @@ class PluginModel final : public Model {
     return problems;
   }
   void shape(const Vec3& x, const double* s, std::span<float> centres) const override {
+    const auto lock = my_turn();
     table_.shape(model_.get(), x.data(), s, centres.data());
   }
 
  private:
+  /// Held during a call of a plug-in whose models share data; else nothing.
+  std::unique_lock<std::mutex> my_turn() const {
+    return info().processes == 1 ? std::unique_lock(turn()) : std::unique_lock<std::mutex>();
+  }
+
   std::shared_ptr<void> library_;  // declared first: it outlives the model
   const hapgrid_model_table& table_;
   OwnedModel model_;
@@ -203,6 +223,7 @@ std::vector<double> PluginModel::known_states(const Vec3& x) {
   std::vector<double> states(state_size());
   for (std::size_t capacity = 1;;) {
     std::size_t count = 0;
+    const auto lock = my_turn();
     if (table_.known_states(model_.get(), x.data(), states.data(), capacity, &count, error,
                             sizeof error) != 0)
       throw ModelError("known states: " + reason(error));
@@ -218,7 +239,10 @@ std::vector<double> PluginModel::known_states(const Vec3& x) {
 bool PluginModel::convert(const double* s, const Vec3& x, const Vec3& d, double* row) {
   char error[kErrorSize];
   error[0] = '\0';
-  if (table_.convert(model_.get(), s, x.data(), d.data(), row, error, sizeof error) != 0) {
+  auto lock = my_turn();
+  const int failed = table_.convert(model_.get(), s, x.data(), d.data(), row, error, sizeof error);
+  if (lock.owns_lock()) lock.unlock();
+  if (failed != 0) {
     error_ = reason(error);
     return false;
   }
@@ -314,10 +338,7 @@ std::unique_ptr<Model> Plugin::create(const std::vector<Parameter>& parameters,
   char error[kErrorSize] = "";
   OwnedModel model(nullptr, table_->destroy);
   {
-    // One for the program, as the libraries that plug-ins use are: Open Babel reads one file at a
-    // time.
-    static std::mutex creating;
-    const std::scoped_lock one_at_a_time(creating);
+    const std::scoped_lock one_at_a_time(turn());
     model.reset(table_->create(c.list().data(), c.list().size(), error, sizeof error));
   }
   try {

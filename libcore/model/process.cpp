@@ -20,6 +20,7 @@
 #include "libcore/base/error.hpp"
 #include "libcore/base/family.hpp"
 #include "libcore/base/format.hpp"
+#include "libcore/base/memory_use.hpp"
 #include "libcore/base/signals.hpp"
 #include "libcore/base/text.hpp"
 
@@ -135,6 +136,10 @@ bool ChildProcess::next_line(std::string_view& line) {
   line = std::string_view(in_).substr(read_, end - read_);
   read_ = scanned_ = end + 1;
   return true;
+}
+
+std::uint64_t ChildProcess::memory_bytes() const {
+  return child_.pid > 0 ? memory_of_group(child_.pid) : 0;
 }
 
 void ChildProcess::hang_up() { child_.input = FileDescriptor(); }

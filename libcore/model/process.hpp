@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -69,6 +70,8 @@ class ChildProcess {
   /// Whether it has read all of its input and waits for more: the kernel says so of its first
   /// thread, as long as this program may look at it.
   bool waits_for_input() const;
+  /// Of the child and of all that it has started; 0 when it has ended.
+  std::uint64_t memory_bytes() const;
 
  private:
   bool has_ended() const;

@@ -118,7 +118,9 @@ ModelInfo hear_first_line(ProcessGroup& group, ChildProcess& child) {
     if (event == ChildProcess::Event::kEnded)
       throw_how_it_ended(child, " before it had said what it is");
     if (event == ChildProcess::Event::kTimeout)
-      throw ModelError(format("did not say what it is within {} s", to_text(seconds)));
+      throw ModelError(
+          format("did not say what it is within {} s; a longer --process-timeout gives it more",
+                 to_text(seconds)));
   }
   return read_first_line(line);
 }
@@ -179,6 +181,7 @@ class ProcessModel final : public Model {
   void hang_up() override {
     if (child_) child_->hang_up();
   }
+  std::uint64_t memory_bytes() const override { return child_ ? child_->memory_bytes() : 0; }
   void abandon() noexcept override { group_->is_abandoned = true; }
   bool equal(const double* a, const double* b) const override {
     return are_equal(info().equality, info().tolerance, state_size(), a, b);

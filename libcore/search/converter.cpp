@@ -38,8 +38,18 @@ std::unique_ptr<Model> create_model(const ModelSource& source, const GridSpec& s
 Converter::Converter(const ModelSource& source, const GridSpec& spec, unsigned threads,
                      Progress& progress)
     : neighbourhood_(spec.box), box_(spec.box), progress_(progress) {
-  for (unsigned i = 0; i < std::max(threads, 1u); ++i)
-    models_.push_back(create_model(source, spec));
+  models_ = make_models([&] { return create_model(source, spec); }, static_cast<int>(threads));
+}
+
+Converter::Converter(std::unique_ptr<Model> model, const GridSpec& spec, Progress& progress)
+    : neighbourhood_(spec.box), box_(spec.box), progress_(progress) {
+  models_.push_back(std::move(model));
+}
+
+std::unique_ptr<Model> Converter::take_model() {
+  std::unique_ptr<Model> model = std::move(models_.back());
+  models_.clear();
+  return model;
 }
 
 Converter::~Converter() {

@@ -29,7 +29,11 @@ class Converter {
   /// describes itself otherwise than the grid's header does (state size, tolerance function, what
   /// is stored).
   Converter(const ModelSource& source, const GridSpec& spec, unsigned threads, Progress& progress);
+  /// With one model, which is there already.
+  Converter(std::unique_ptr<Model> model, const GridSpec& spec, Progress& progress);
   ~Converter();
+  /// Gives its one model back. It converts nothing afterwards.
+  std::unique_ptr<Model> take_model();
 
   /// Computes all conversions of a batch. @throw Stopped;
   /// ModelError naming point, level and direction of the first that failed.

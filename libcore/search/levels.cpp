@@ -117,8 +117,9 @@ void Levels::settle_other(RecordIndex source, int q, PointIndex target, const do
 void Levels::fail_level_limit(PointIndex target, RecordIndex source) const {
   throw LevelLimit(format(
       "level limit: {} has {} levels (search.max_levels), and a state reached from {} equals none "
-      "of them within the tolerance {}{}{}: the model has more states there, or its conversion is "
-      "less exact than its tolerance",
+      "of them within the tolerance {}{}{}: the model has more states there, its conversion is "
+      "less "
+      "exact than its tolerance, or a body turns or slides freely, since nothing holds it",
       describe(spec_.box, target), spec_.max_levels, record_text(source), to_text(spec_.tolerance),
       spec_.tolerance_unit.empty() ? "" : " ", spec_.tolerance_unit));
 }

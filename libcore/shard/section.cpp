@@ -31,7 +31,9 @@ class BackwardReader {
  public:
   explicit BackwardReader(std::shared_ptr<const InputFile> file) : file_(std::move(file)) {
     if (file_->size() == 0) throw FormatError(format("{}: empty, not a shard", file_->name()));
-    if (!starts_with_zstd_frame(*file_)) fail(0, "not a shard: no zstd frame");
+    if (starts_with_zstd_frame(*file_)) return;
+    fail_compressed();
+    fail(0, "not a shard: no zstd frame");
   }
 
   /// The section that ends at `end`.
@@ -61,12 +63,20 @@ class BackwardReader {
     throw FormatError(format("{}: {}", at(*file_, offset), what));
   }
 
+  /// Throws where the file is a shard, or anything else, that was compressed as a whole.
+  void fail_compressed() const {
+    if (const std::string by = outer_compression(*file_); !by.empty())
+      fail(0,
+           format("this is {}, not a shard: unpack it first. Shards are compressed already", by));
+  }
+
   /// Answers where the footer starts.
   std::uint64_t read_footer(std::uint64_t end, SectionFooter& footer) {
     std::array<std::byte, kLocatorBytes> bytes;
     std::optional<Locator> locator;
     if (end >= kLocatorBytes && file_->read(end - kLocatorBytes, bytes) == kLocatorBytes)
       locator = decode_locator(bytes);
+    if (!locator && end == file_->size()) fail_compressed();
     if (!locator) fail(end, "truncated: a shard ends with an index");
     const std::uint64_t footer_end = end - kLocatorBytes;
     if (locator->size > footer_end) fail(footer_end, "damaged: the footer is not in the file");

@@ -30,6 +30,15 @@ for tool in "${readers[@]}"; do
   refuses "$name: /dev/zero: byte 0: not a shard: no zstd frame" -- timeout 20 $tool /dev/zero
   refuses "$name: standard input: byte 0: not a shard: no zstd frame" -- timeout 20 $tool - < <(yes)
 done
+# Compressed once more, from a file and through a pipe.
+for by in gzip bzip2 xz zstd; do
+  $by -c grid >grid.packed
+  for tool in expand 'merge' 'verify --recompute none'; do
+    words="byte 0: this is $by, not a shard: unpack it first\. Shards are compressed already"
+    refuses "${tool%% *}: grid\.packed: $words" -- $tool grid.packed
+    refuses "${tool%% *}: standard input: $words" -- bash -c "cat grid.packed | $tool"
+  done
+done
 echo '0 0 0' >path
 expand --complete grid -o whole
 refuses 'play: /dev/zero: byte 0: not a shard: no zstd frame' -- timeout 20 play /dev/zero --device path:path

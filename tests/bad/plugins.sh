@@ -46,7 +46,7 @@ not_one() { # PLUGIN MESSAGE
 }
 not_one no_entry "$plugins/no_entry\.so is no hapgrid plug-in \(it has no function hapgrid_model_plugin\)"
 not_one null_table 'hapgrid_model_plugin\(\) returned NULL'
-not_one wrong_version "$plugins/wrong_version\.so has interface version 999, this hapgrid has 4; build the plug-in again"
+not_one wrong_version "$plugins/wrong_version\.so has interface version 999, this hapgrid has 5; build the plug-in again"
 for function in create destroy info known_states convert equal; do
   not_one "null_$function" "a required function of the plug-in's table is NULL"
 done

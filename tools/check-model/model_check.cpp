@@ -13,13 +13,15 @@
 #include "libcore/base/random.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/check/fidelity.hpp"
+#include "libcore/check/force_check.hpp"
 #include "libcore/check/snaps.hpp"
 #include "libcore/grid/describe.hpp"
 #include "libcore/grid/direction.hpp"
 #include "libcore/grid/state_distance.hpp"
 #include "libcore/grid/vec3.hpp"
 #include "libcore/search/converter.hpp"
-#include "tools/check-model/force_check.hpp"
+#include "tools/check-model/remarks.hpp"
+#include "tools/check-model/rows.hpp"
 #include "tools/check-model/together.hpp"
 
 namespace hapgrid {
@@ -42,22 +44,6 @@ double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-CallTimes summary(std::vector<double> seconds) {
-  CallTimes times;
-  times.calls = seconds.size();
-  if (seconds.empty()) return times;
-  std::sort(seconds.begin(), seconds.end());
-  const auto at = [&](double share) {
-    return seconds[static_cast<std::size_t>(share * static_cast<double>(seconds.size() - 1))];
-  };
-  times.median = at(0.5);
-  times.p99 = at(0.99);
-  times.worst = seconds.back();
-  times.mean =
-      std::accumulate(seconds.begin(), seconds.end(), 0.0) / static_cast<double>(seconds.size());
-  return times;
-}
-
 /// The direction of the next step from one grid point straight to another; the points differ.
 int direction_to(const Box& box, PointIndex from, PointIndex to) {
   const GridCoordinates a = box.coordinates(from), b = box.coordinates(to);
@@ -74,8 +60,9 @@ class ModelWalker {
         seeds_(seeds),
         most_steps_(most_steps),
         most_seconds_(most_seconds),
-        model_(make_model()),
-        second_(make_model()),
+        model_(started(make_model)),
+        second_(model_->info().processes == 1 && model_->is_process() ? nullptr
+                                                                      : started(make_model)),
         distance_(spec, [this](const double* a, const double* b) { return model_->equal(a, b); }),
         forces_(spec, *model_),
         around_(spec.box),
@@ -84,12 +71,23 @@ class ModelWalker {
 
   ModelCheck run() {
     walk();
+    ask_among_others();
     ask_two_together();
     return result();
   }
 
  private:
   static constexpr int kLegs = 4;
+
+  /// A model that has answered a question: a process loads its libraries meanwhile.
+  std::unique_ptr<Model> started(const MakeModel& make_model) {
+    const double before = now();
+    std::unique_ptr<Model> model = make_model();
+    static_cast<void>(model->known_states(spec_.box.position(seeds_.begin()->first)));
+    start_seconds_ = std::max(start_seconds_, now() - before);
+    start_ = now();
+    return model;
+  }
 
   void walk() {
     std::uint64_t steps = 0;
@@ -106,6 +104,7 @@ class ModelWalker {
         const auto target = static_cast<PointIndex>(random_.below(spec_.box.points()));
         while (leg < kLegs && point_ != target && steps < most_steps_) {
           if (steps > 0 && is_late()) return;
+          memory_.look(steps, [&] { return model_->memory_bytes(); });
           ++steps;
           if (!step(direction_to(spec_.box, point_, target))) leg = kLegs;
         }
@@ -121,46 +120,14 @@ class ModelWalker {
   };
   /// Counts what it tries in `found`.
   using TryStep = void (ModelWalker::*)(const Step&, Findings& found);
-  struct Trial {
-    const char* name;
-    const char* unit;
-    const char* meaning;
-    TryStep try_step;  ///< null: what is found elsewhere
-    bool is_note = false;
-  };
-  static constexpr std::size_t kDefined = 0, kDeterministic = 1, kTogetherRow = 2, kSane = 8,
-                               kHalves = 9, kReturns = 10, kSnaps = 11, kTrials = 12;
-  static const std::array<Trial, kTrials>& trials() {
-    static constexpr std::array<Trial, kTrials> all{{
-        {"defined", "conversions", "conversions that C fails on", nullptr},
-        {"deterministic", "conversions",
-         "C, asked again, answers with other bits: no two runs will give the same grid",
-         &ModelWalker::try_again},
-        {"together", "conversions",
-         "C answers otherwise while two threads ask two models: they share data, which a plug-in "
-         "must not have. hapgrid rounds --parts N gives each model a process of its own",
-         nullptr},
-        {"stays", "states",
-         "C(s, x, 0) is another state than s: a state that was reached is not at rest",
-         &ModelWalker::try_to_stay},
-        {"stable", "states",
-         "states that are not at rest, as on the top of a barrier: pushed, they do not come back",
-         &ModelWalker::try_to_push},
-        {"reflexive", "states", "the tolerance function says that a state differs from itself",
-         &ModelWalker::try_reflexive},
-        {"symmetric", "pairs", "the tolerance function depends on the order of its arguments",
-         &ModelWalker::try_symmetric},
-        {"finite", "calls", "force or shape that is not finite", &ModelWalker::try_force},
-        {"sane", "parameters", "what the model itself says against its parameters", nullptr},
-        {"halves", "conversions",
-         "a step in two halves ends in another state: that is right near a tear-off",
-         &ModelWalker::try_halves, true},
-        {"returns", "conversions",
-         "a step there and back ends in another state: levels are there for such hysteresis",
-         &ModelWalker::try_to_return, true},
-        {"snaps", "steps", "", nullptr},
-    }};
-    return all;
+  static TryStep try_of(std::size_t row) {
+    using W = ModelWalker;
+    static constexpr std::array<TryStep, kRows.size()> kTries{
+        nullptr,         &W::try_again,   nullptr,           nullptr,
+        &W::try_to_stay, &W::try_to_push, &W::try_reflexive, &W::try_symmetric,
+        &W::try_force,   nullptr,         &W::try_halves,    &W::try_to_return,
+        nullptr};
+    return kTries[row];
   }
 
   bool is_late() const { return now() - start_ > most_seconds_; }
@@ -196,8 +163,8 @@ class ModelWalker {
     convert_seconds_.push_back(now() - before);
     if (!converted) return false;
     step.arrived.assign(step.row.begin(), step.row.begin() + spec_.state_size);
-    for (std::size_t i = 0; i < kTrials; ++i)
-      if (trials()[i].try_step && !is_late()) (this->*trials()[i].try_step)(step, found_[i]);
+    for (std::size_t i = 0; i < kRows.size(); ++i)
+      if (try_of(i) && !is_late()) (this->*try_of(i))(step, found_[i]);
     point_ = static_cast<PointIndex>(std::int64_t{point_} + around_.offset(q));
     state_ = step.arrived;
     if (steps_.size() < kTogether) steps_.push_back(std::move(step));
@@ -226,7 +193,7 @@ class ModelWalker {
 
   /// The same bits from a second model, and from this one, whatever it did in between.
   void try_again(const Step& step, Findings& found) {
-    for (Model* model : {second_.get(), model_.get()}) {
+    for (Model* model : {second_ ? second_.get() : model_.get(), model_.get()}) {
       ++found.counted;
       if (!model->convert(step.from.data(), step.x, step.d, other_.data())) {
         largest_rounding_ = INFINITY;
@@ -242,13 +209,31 @@ class ModelWalker {
     }
   }
 
+  /// A process has several questions at a time, which it may answer as one batch. Alone it has
+  /// answered them before.
+  void ask_among_others() {
+    if (!model_->is_process() || model_->info().in_flight == 1 || largest_rounding_ > 0) return;
+    found_[kAmong] = ask_at_a_time(
+        *model_, steps_, kTogetherShare * most_seconds_,
+        [&](const Made& step, std::span<const double> row) {
+          if (std::memcmp(row.data(), step.row.data(), row.size_bytes()) == 0) return std::string();
+          among_rounding_ = std::max(among_rounding_, rounding(step.row, row));
+          return between(step.row, State(row.begin(), row.end()));
+        },
+        [&](const Made& step) { return text_of(step); });
+  }
+
   void ask_two_together() {
-    // One that is not the same alone has its own row.
-    if (largest_rounding_ > kLastBits * spec_.tolerance) return;
+    // One that is not the same alone, or in one thread, has its own row.
+    if (!second_ || model_->info().processes == 1 || found_[kAmong].offenders > 0 ||
+        largest_rounding_ > kLastBits * spec_.tolerance)
+      return;
     found_[kTogetherRow] = ask_together(
         *model_, *second_, steps_, kTogetherShare * most_seconds_,
-        [&](std::span<const double> a, std::span<const double> b) {
-          return rounding(a, b) <= kLastBits * spec_.tolerance;
+        [&](const Made& step, std::span<const double> row) {
+          return rounding(step.row, row) <= kLastBits * spec_.tolerance
+                     ? std::string()
+                     : between(step.row, State(row.begin(), row.end()));
         },
         [&](const Made& step) { return text_of(step); });
   }
@@ -348,6 +333,17 @@ class ModelWalker {
           "below the tolerance, {}; but no two runs will give the same bytes",
           rounded(largest_rounding_), rounded(spec_.tolerance));
     }
+    if (trial == kAmong && check.found.offenders > 0) {
+      check.is_note = among_rounding_ <= kLastBits * spec_.tolerance;
+      check.meaning += check.is_note
+                           ? format(
+                                 ". The answers differ by up to {}, far below the tolerance, {}; "
+                                 "but other numbers of parts and threads give other bytes",
+                                 rounded(among_rounding_), rounded(spec_.tolerance))
+                           : "";
+      if (check.is_note) check.remark = "C's last bits depend on what is asked beside it";
+    }
+    if (trial == kSnaps) check.remark = remark_on_snaps(check.found);
     if (trial == kHalves) judge_halves(check, apart_, spec_);
     if (trial == kReturns) check.figures = {exactness(returned_, spec_)};
     if (trial == kSnaps) judge_snaps(check);
@@ -356,21 +352,20 @@ class ModelWalker {
   ModelCheck result() {
     ask_model();
     ModelCheck out;
-    if (!forces_.has_force())
-      out.checks.push_back(
-          {"felt",
-           "models",
-           "a model without a force: nothing of its grid can be felt, and play refuses it. Give it "
-           "a force function; \"stored\" of a process must name it",
-           {1, 1, {}},
-           /*is_note=*/true});
+    const auto note = [&](std::optional<Check> check) {
+      if (check) out.checks.push_back(std::move(*check));
+    };
+    note(note_felt(forces_.has_force(), forces_.largest_force, found_[kFinite].counted));
+    note(note_spread(returned_, spec_));
+    note(memory_.note());
+    out.start_seconds = start_seconds_ + take_first_ones(convert_seconds_);
     out.convert = summary(convert_seconds_);
     out.force = summary(forces_.force_seconds);
     out.shape = summary(forces_.shape_seconds);
     out.largest_force = forces_.largest_force;
     out.median_force_error = forces_.median_error();
-    for (std::size_t i = 0; i < kTrials; ++i) {
-      const Trial& trial = trials()[i];
+    for (std::size_t i = 0; i < kRows.size(); ++i) {
+      const Row& trial = kRows[i];
       if (i == kSane)  // behind `finite`
         for (Check& check : forces_.checks()) out.checks.push_back(std::move(check));
       if (found_[i].counted == 0) continue;
@@ -385,7 +380,8 @@ class ModelWalker {
   const std::map<PointIndex, State>& seeds_;
   const std::uint64_t most_steps_;
   const double most_seconds_;
-  const double start_ = now();
+  double start_ = 0;  // of the walks
+  double start_seconds_ = 0;
   std::unique_ptr<Model> model_;
   std::unique_ptr<Model> second_;
   StateDistance distance_;
@@ -395,12 +391,14 @@ class ModelWalker {
   PointIndex point_ = 0;
   State state_;
   State other_;  // a row
-  std::array<Findings, kTrials> found_;
+  std::array<Findings, kRows.size()> found_;
   std::vector<double> convert_seconds_;
   std::vector<double> apart_;     // by how much halves differ, where they do
   std::vector<double> returned_;  // how far from where they began
   std::vector<Made> steps_;       // the first ones, to be asked again
   double largest_rounding_ = 0;   // of C, asked again
+  double among_rounding_ = 0;     // of C, asked among others
+  MemoryLog memory_;
 };
 
 }  // namespace

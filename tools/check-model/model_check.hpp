@@ -8,20 +8,13 @@
 
 #include "libcore/check/report.hpp"
 #include "libcore/model/model.hpp"
+#include "tools/check-model/call_times.hpp"
 
 namespace hapgrid {
 
-/// The durations of one kind of call, in seconds.
-struct CallTimes {
-  std::uint64_t calls = 0;
-  double median = 0;
-  double mean = 0;
-  double p99 = 0;
-  double worst = 0;
-};
-
 struct ModelCheck {
   std::vector<Check> checks;
+  double start_seconds = 0;  ///< until a model answers, and what only its first conversions take
   CallTimes convert;
   CallTimes force;  ///< without calls when the model has no force or the grid stores it
   CallTimes shape;

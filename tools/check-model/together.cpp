@@ -17,7 +17,8 @@ using Clock = std::chrono::steady_clock;
 
 constexpr const char* kMeanwhile =
     " while two threads asked two models: they share data, which a plug-in must not have. "
-    "hapgrid rounds --parts N gives each model a process of its own";
+    "With info.processes = 1 one thread asks one model, and hapgrid rounds --parts N gives each a "
+    "process of its own";
 
 /// What one thread was told.
 struct Told {
@@ -48,34 +49,52 @@ Told ask(Model& model, std::span<const Made> made, Clock::time_point end) {
   return told;
 }
 
+void compare(const Told& told, std::span<const Made> made, const char* otherwise,
+             const Difference& difference, const std::function<std::string(const Made&)>& text_of,
+             Findings& found) {
+  for (std::size_t k = 0; k < told.rows.size(); ++k) {
+    ++found.counted;
+    const Made& m = made[k];
+    const std::string differs = told.errors[k].empty() ? difference(m, told.rows[k]) : "";
+    if (told.errors[k].empty() && differs.empty()) continue;
+    found.offend([&] {
+      const std::size_t n = m.from.size();
+      const std::string what =
+          told.errors[k].empty()
+              ? format("alone {}, {} {}{}", state_text(std::span(m.row).first(n)), otherwise,
+                       state_text(std::span(told.rows[k]).first(n)), differs)
+              : told.errors[k];
+      return text_of(m) + ": " + what;
+    });
+  }
+}
+
+Clock::time_point in_seconds(double seconds) {
+  return Clock::now() +
+         std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+}
+
 }  // namespace
 
-Findings ask_together(
-    Model& one, Model& other, std::span<const Made> made, double seconds,
-    const std::function<bool(std::span<const double>, std::span<const double>)>& is_same,
-    const std::function<std::string(const Made&)>& text_of) {
-  const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                                      std::chrono::duration<double>(seconds));
+Findings ask_at_a_time(Model& model, std::span<const Made> made, double seconds,
+                       const Difference& difference,
+                       const std::function<std::string(const Made&)>& text_of) {
+  Findings found;
+  compare(ask(model, made, in_seconds(seconds)), made, "among others", difference, text_of, found);
+  return found;
+}
+
+Findings ask_together(Model& one, Model& other, std::span<const Made> made, double seconds,
+                      const Difference& difference,
+                      const std::function<std::string(const Made&)>& text_of) {
+  const auto end = in_seconds(seconds);
   std::array<Told, 2> told;
   {
     const std::jthread thread([&] { told[1] = ask(other, made, end); });
     told[0] = ask(one, made, end);
   }
   Findings found;
-  for (const Told& t : told)
-    for (std::size_t k = 0; k < t.rows.size(); ++k) {
-      ++found.counted;
-      if (t.errors[k].empty() && is_same(made[k].row, t.rows[k])) continue;
-      found.offend([&] {
-        const std::size_t n = made[k].from.size();
-        const std::string what =
-            t.errors[k].empty()
-                ? format("alone {}, together {}", state_text(std::span(made[k].row).first(n)),
-                         state_text(std::span(t.rows[k]).first(n)))
-                : t.errors[k];
-        return text_of(made[k]) + ": " + what;
-      });
-    }
+  for (const Told& t : told) compare(t, made, "together", difference, text_of, found);
   return found;
 }
 

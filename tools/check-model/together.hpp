@@ -1,4 +1,5 @@
-// Two threads ask two models at once, as expand -j 2 does.
+// Conversions that were made one at a time are asked for again: several at a time, and in two
+// threads that ask two models at once, as expand -j 2 does.
 #pragma once
 
 #include <functional>
@@ -20,14 +21,22 @@ struct Made {
   std::vector<double> row;   ///< what C has given
 };
 
-/// Asks both models for all of `made`, each in a thread of its own, a process for several at a
-/// time, until the time is over. Offenders are answers that differ from those made alone, by
-/// is_same(row, row), and failures. A plug-in that crashes meanwhile ends the program with a line
-/// that says so (search/converter.hpp).
+/// How a row differs from what was made, in words that begin with a comma; empty where it is the
+/// same.
+using Difference = std::function<std::string(const Made&, std::span<const double> row)>;
+
+/// Asks the model for all of `made`, a process for several at a time, until the time is over.
+/// Offenders are answers that differ, and failures.
 /// @param text_of says which conversion it is
-Findings ask_together(
-    Model& one, Model& other, std::span<const Made> made, double seconds,
-    const std::function<bool(std::span<const double>, std::span<const double>)>& is_same,
-    const std::function<std::string(const Made&)>& text_of);
+Findings ask_at_a_time(Model& model, std::span<const Made> made, double seconds,
+                       const Difference& difference,
+                       const std::function<std::string(const Made&)>& text_of);
+
+/// Asks both models for all of `made`, each in a thread of its own, a process for several at a
+/// time, as above. A plug-in that crashes meanwhile ends the program with a line that says so
+/// (search/converter.hpp).
+Findings ask_together(Model& one, Model& other, std::span<const Made> made, double seconds,
+                      const Difference& difference,
+                      const std::function<std::string(const Made&)>& text_of);
 
 }  // namespace hapgrid

@@ -11,6 +11,9 @@ namespace {
 // Errors that are smaller, as a part of the force, say nothing: energies are kept as floats.
 constexpr double kRounding = 1e-6;
 
+constexpr const char* kEither =
+    ", since the grid is too coarse or the force is not their gradient; verify says which";
+
 /// Says why the force cannot come from the energy, or what is odd about it.
 void judge(const Grid& grid, const RecordFields& fields, NodeForces& into) {
   if (fields.energy.empty()) {
@@ -23,7 +26,9 @@ void judge(const Grid& grid, const RecordFields& fields, NodeForces& into) {
   if (found.predictions == 0)
     into.why_not = "the grid is too small to compare force and energy";
   else if (!found.is_good())
-    into.why_not = "the force is not the gradient of the energy " + errors;
+    into.why_not = "the energies do not tell of the forces " + errors + kEither;
+  else if (!found.is_sure())
+    into.remark = "the energies tell little of the forces " + errors + kEither;
   else if (found.by_energy > found.by_forces && found.by_energy > kRounding * found.force)
     into.remark = "the energy agrees less well with the forces than the forces' mean " + errors;
 }

@@ -43,7 +43,10 @@ std::unique_ptr<Beside> make_beside(const std::string& wanted, bool must, bool h
   std::optional<std::uint32_t> delay;
   if (!has_thread) delay = ticks_of(wanted).value_or(1);
   try {
-    return std::make_unique<Beside>(grid, create(), delay, [](const std::string& why) {
+    std::unique_ptr<Model> model = create();
+    if (has_thread && !model->is_process() && model->info().processes == 1)
+      throw ModelError("two threads must not ask this model, as its info.processes = 1 says");
+    return std::make_unique<Beside>(grid, std::move(model), delay, [](const std::string& why) {
       say("play",
           format("the model beside the grid fails: {}: from here on the grid alone decides", why));
     });

@@ -47,15 +47,17 @@ Check recompute_tears(const Grid& grid, std::span<const RecordIndex> sample,
 }
 
 /// The row `passive`, for the force that play sends.
-/// @param source of a model that may be asked where it snaps; null: it may not
+/// @param gradient its row @param source of a model that may be asked where it snaps; null: it may
+/// not
 Check prove_passive(const Grid& grid, const BranchMap& branches, const RecordFields& fields,
-                    const ModelSource* source, int threads) {
+                    const Check& gradient, const ModelSource* source, int threads) {
   const NodeForces forces = node_forces(grid, fields);
+  const bool is_known = gradient.verdict() == "broken" || !gradient.remark.empty();
   if (!forces.has_energy())
     return passive_not_proved(
         format("play interpolates the forces of the records, which have no energy, because {}; "
                "make the grid finer, or give the model the energy of its force: see check-model",
-               forces.why_not));
+               is_known ? gradient.meaning : forces.why_not));
   forces.nodes->add_ghosts(grid, branches.nodes);
   if (!source || grid.has_tears()) return check_passive(grid, branches, *forces.nodes);
   Progress conversions;
@@ -102,8 +104,9 @@ std::vector<Check> examine(const Grid& grid, const Examination& asked) {
   add(check_generations(grid, distances));
 
   // Is it what the model says?
+  std::vector<RecordIndex> sample;
   if (asked.recompute > 0) {
-    const auto sample = sample_records(grid, asked.recompute, asked.sample_seed);
+    sample = sample_records(grid, asked.recompute, asked.sample_seed);
     add(recompute_conversions(grid, sample, make_model, asked.threads));
     if (is_stored) add(check_stored(grid, sample, make_model, asked.threads));
     if (grid.has_tears()) add(recompute_tears(grid, sample, *source, asked.threads));
@@ -116,11 +119,15 @@ std::vector<Check> examine(const Grid& grid, const Examination& asked) {
   add(check_continuous(grid, branches.nodes));
   RecordFields fields;
   if (knows_force) fields = record_fields(grid, judge, asked.threads);
-  if (!fields.energy.empty()) add(check_gradient(grid, fields));
+  Check gradient;
+  if (!fields.energy.empty()) {
+    gradient = check_gradient(grid, fields, sample, asked.recompute > 0 ? make_model : MakeModel());
+    add(Check(gradient));
+  }
   add(check_steep(grid, fields.force, asked.rendering));
   if (knows_force)
-    add(prove_passive(grid, branches, fields, asked.recompute > 0 ? source.get() : nullptr,
-                      asked.threads));
+    add(prove_passive(grid, branches, fields, gradient,
+                      asked.recompute > 0 ? source.get() : nullptr, asked.threads));
 
   // And between the points?
   if (asked.walks > 0) {

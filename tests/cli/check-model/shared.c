@@ -18,6 +18,9 @@ static void info(const hapgrid_model* model, hapgrid_model_info* info) {
   info->state_size = 1;
   info->d_max = 10;
   info->tolerance = 1e-6;
+#ifdef PROCESSES
+  info->processes = PROCESSES;
+#endif
 }
 static int known_states(hapgrid_model* model, const double* x, double* states, size_t capacity, size_t* count,
                         char* error, size_t error_size) {

@@ -89,7 +89,7 @@ class TestModel final : public Model {
   using Convert = std::function<bool(const double* s, const Vec3& x, const Vec3& d, double* row,
                                      std::string& error)>;
   TestModel(const ModelDescription& description, Convert convert)
-      : Model({description, 1, 0, {}}), convert_(std::move(convert)) {}
+      : Model({description, 1, 0, 0, {}}), convert_(std::move(convert)) {}
 
   std::vector<double> known_states(const Vec3&) override { return {}; }
   bool convert(const double* s, const Vec3& x, const Vec3& d, double* row) override {

@@ -123,7 +123,10 @@ TEST_CASE("a process that does not get as far as saying what it is") {
   const std::string who = "model puppet: process 'python3 puppet.py ";
   CHECK(why(puppet("unknown-key")).find(who + "unknown-key 1' unknown key \"tolerence\"") == 0);
   CHECK(why(puppet("no-size")) == who + "no-size 1' its first line has no \"state_size\"");
-  CHECK(why(puppet("mute"), 0.5) == who + "mute 1' did not say what it is within 0.5 s");
+  CHECK(
+      why(puppet("mute"), 0.5) ==
+      who +
+          "mute 1' did not say what it is within 0.5 s; a longer --process-timeout gives it more");
   CHECK(why(puppet("dead")) == who + "dead 1' exited with status 5 before it had said what it is");
   CHECK(why(puppet("binary"))
             .starts_with(who + "binary 1' printed '?"

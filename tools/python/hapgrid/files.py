@@ -62,6 +62,8 @@ def write_vti(grid: str | os.PathLike, path: str | os.PathLike, level: int = 0) 
     arrays = read(grid)
     points = arrays["point"] @ numpy.cumprod([1, *arrays["counts"][:2]])  # x is the fastest
     here, size = arrays["level"] == level, int(numpy.prod(arrays["counts"]))
+    if not here.any():
+        raise ValueError(f"{os.fspath(grid)}: no point has level {level}")
     data = {"levels": numpy.bincount(points, minlength=size).astype("<u2")}
     for name in [name for name in ("state", "force", "energy") if name in arrays]:
         data[name] = numpy.full((size, arrays[name][0].size), numpy.nan)

@@ -116,6 +116,8 @@ def _display():
 
 
 def _toml(value) -> str:
+    if hasattr(value, "tolist"):  # NumPy's arrays and numbers
+        value = value.tolist()
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, (list, tuple)):

@@ -45,6 +45,9 @@ def serve(model: Callable[..., Any]) -> None:
     What the model or its libraries then print goes to standard error, and standard input is empty. An exception in one of
     the functions ends the search with its text.
     """
+    if os.isatty(0):
+        sys.exit("hapgrid.serve(): this is a model, which answers questions of hapgrid's filters: check-model MODEL.toml "
+                 "--allow-process tries it")
     # hapgrid's lines get descriptors that neither the model nor what it starts has.
     questions, answers = os.dup(0), os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)

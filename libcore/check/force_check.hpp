@@ -1,5 +1,5 @@
-// Force, energy and shape of a model in states along walks (model_check.hpp), and whether the force
-// is the energy's negative gradient.
+// Force, energy and shape of a model in some states, and whether the force is the energy's negative
+// gradient: as check-model and verify ask it.
 #pragma once
 
 #include <span>
@@ -18,12 +18,16 @@ class ForceCheck {
 
   bool has_force() const { return fields_.has_force(); }
   /// Evaluates them with the HIP at x, in a state that was reached there. Counts in `finite` what
-  /// must be finite. Also compares a force with the slope of the energy along one axis: of the
-  /// states that the model takes on when the HIP moves a little to either side, where both come
-  /// back to the state (no tear-off in between).
+  /// must be finite. Also compares the force with the slopes of the energy along the axes, or along
+  /// one axis after the other when there are many: of the states that the model takes on when the
+  /// HIP moves a little to either side, where both come back to the state (no tear-off in between).
   void try_at(const Vec3& x, std::span<const double> state, Findings& finite);
-  /// The rows `gradient` and, where forces are beyond what devices send, `strong`. Says also what
-  /// the forces have in common that are no gradients: a factor, a sign.
+  /// `gradient`: forces that are not the slope of the energy, and axes along which they are another
+  /// multiple of it. Says also what the forces have in common that are no gradients: a factor, a
+  /// sign.
+  Check gradient() const;
+  /// The rows `gradient`, where there is something to compare, and, where forces are beyond what
+  /// devices send, `strong`.
   std::vector<Check> checks() const;
 
   std::vector<double> force_seconds, shape_seconds;  ///< of each call
@@ -41,14 +45,16 @@ class ForceCheck {
     int axis;
   };
 
-  void add_gradient(const Vec3& x, const std::vector<double>& row, const Vec3& force);
+  void add_gradient(const Vec3& x, const std::vector<double>& row, const Vec3& force, int axis);
   std::string diagnosis() const;
+  std::string axis_diagnosis(int axis) const;
 
   const GridSpec& spec_;
   Model& model_;
   const Fields fields_;
   const bool is_stored_;  // whether there is more in a row than the state
   std::vector<Gradient> gradients_;
+  int places_ = 0;  // where gradients were asked for
   Findings strong_;
 };
 

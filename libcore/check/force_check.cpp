@@ -1,4 +1,4 @@
-#include "tools/check-model/force_check.hpp"
+#include "libcore/check/force_check.hpp"
 
 #include <algorithm>
 #include <array>
@@ -20,6 +20,13 @@ constexpr double kDifferenceStep = 1e-3;
 // Of the largest force: what a force may be off from the energy's gradient. A central difference
 // over 2e-3 of the spacing is exact to some 1e-6; iterative models leave a residue.
 constexpr double kForceTolerance = 0.02;
+// Of the force along one axis: how far a factor between it and the slopes may be from 1. It is
+// known far better than a single force.
+constexpr double kFactorTolerance = 0.01;
+constexpr double kSure = 4;  // standard errors
+constexpr double kFelt =
+    1e-4;                      // of the largest force: along an axis with less, slopes are rounding
+constexpr int kAllAxes = 100;  // places where all axes are tried; behind them one of the three
 // A factor explains the forces when this share of them, root mean square, is left unexplained.
 constexpr double kUnexplained = 0.05;
 // Newtons. The strongest haptic devices send some 40.
@@ -78,12 +85,15 @@ void ForceCheck::try_at(const Vec3& x, std::span<const double> state, Findings& 
       return format("{} N at ({}, {}, {}) in state {}", rounded(magnitude), rounded(x[0]),
                     rounded(x[1]), rounded(x[2]), state_text(state));
     });
-  if (fields_.has_energy()) add_gradient(x, row, force);
+  if (!fields_.has_energy()) return;
+  const int place = places_++;
+  for (int axis = 0; axis < 3; ++axis)
+    if (place < kAllAxes || place % 3 == axis) add_gradient(x, row, force, axis);
 }
 
-void ForceCheck::add_gradient(const Vec3& x, const std::vector<double>& row, const Vec3& force) {
+void ForceCheck::add_gradient(const Vec3& x, const std::vector<double>& row, const Vec3& force,
+                              int axis) {
   const double here = fields_.energy(x, row);
-  const int axis = static_cast<int>(gradients_.size() % 3);
   const double e = kDifferenceStep * spec_.box.spacing;
   std::array<double, 2> slope{};  // before x and behind it
   for (int side = 0; side < 2; ++side) {
@@ -133,6 +143,28 @@ std::string ForceCheck::diagnosis() const {
   return text + (ratio < 0 ? "? Its sign is wrong, too" : "?");
 }
 
+/// Along one axis: what the forces are of the energy's slopes, when that is a factor beyond doubt
+/// which is not 1; else empty. A small one is not seen in any single force.
+std::string ForceCheck::axis_diagnosis(int axis) const {
+  const double scale = fields_.force_scale();
+  double n = 0, ff = 0, fg = 0, gg = 0;
+  for (const Gradient& g : gradients_) {
+    // The nearer slope, where it is between the two: a bend in between is no factor.
+    const double slope = g.force == g.nearest ? g.force : -scale * g.slope;
+    if (g.axis != axis) continue;
+    ++n;
+    ff += g.force * g.force;
+    fg += g.force * slope;
+    gg += slope * slope;
+  }
+  if (n < 3 || !(std::sqrt(gg / n) > kFelt * largest_force)) return "";
+  const double factor = fg / gg;
+  const double error = std::sqrt(std::max(0.0, ff - factor * fg) / (n - 1) / gg);
+  if (std::abs(factor - 1) <= kFactorTolerance + kSure * error) return "";
+  return format("along {} the force is {} times the energy's negative gradient", "xyz"[axis],
+                rounded(factor));
+}
+
 double ForceCheck::median_error() const {
   std::vector<double> errors;
   for (const Gradient& g : gradients_)  // where nothing is felt all is well, and common
@@ -144,8 +176,7 @@ double ForceCheck::median_error() const {
   return *middle;
 }
 
-std::vector<Check> ForceCheck::checks() const {
-  std::vector<Check> checks;
+Check ForceCheck::gradient() const {
   Check gradient{
       "gradient",
       "forces",
@@ -162,9 +193,23 @@ std::vector<Check> ForceCheck::checks() const {
                       to_text(g.force), to_text(g.nearest));
       });
   }
-  if (gradient.found.offenders > 0)
-    if (const std::string why = diagnosis(); !why.empty()) gradient.meaning = why;
-  if (!gradients_.empty()) checks.push_back(std::move(gradient));
+  std::string axes;
+  const bool is_seen = gradient.found.offenders > 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::string why = axis_diagnosis(axis);
+    if (why.empty()) continue;
+    axes += (axes.empty() ? "" : "; ") + why;
+    if (!is_seen) gradient.found.offend([&] { return why; });
+  }
+  if (is_seen)
+    for (const std::string& why : {axes, diagnosis()})
+      if (!why.empty()) gradient.meaning = why;
+  return gradient;
+}
+
+std::vector<Check> ForceCheck::checks() const {
+  std::vector<Check> checks;
+  if (!gradients_.empty()) checks.push_back(gradient());
   if (strong_.offenders > 0)
     checks.push_back({"strong", "forces",
                       format("forces beyond {} N, which no device sends: is force_scale right, and "
