@@ -45,7 +45,7 @@ bool is_rest(const State& s) {
 
 }  // namespace
 
-TEST_CASE("pictures join the atoms that Open Babel does") {
+TEST_CASE("pictures join the atoms that are bonded") {
   for (const Source* source : {&kButane, &kDipeptide, &kEnkephalin}) {
     const Molecule molecule = source->read();
     hapgrid::Scene scene;

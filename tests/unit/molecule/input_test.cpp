@@ -72,20 +72,6 @@ TEST_CASE("a molecule of four atoms is read, its energy in hartree") {
   CHECK(barrier(read(kPeroxide, titled("nothing"), {7})) == 7);
 }
 
-TEST_CASE("SDF is read, its bonds as they stand there") {
-  const std::string sdf =
-      "peroxide\n\n\n"
-      "  4  3  0  0  0  0  0  0  0  0999 V2000\n"
-      "    0.0000    0.7300   -0.0500 O   0  0\n"
-      "    0.0000   -0.7300   -0.0500 O   0  0\n"
-      "    0.8000    0.9000    0.4000 H   0  0\n"
-      "   -0.8000   -0.9000    0.4000 H   0  0\n"
-      "  1  2  1  0\n  1  3  1  0\n  2  4  1  0\nM  END\n$$$$\n";
-  const Molecule molecule = read(sdf, titled("dE=3"));
-  CHECK(molecule.bonds.size() == 3);
-  CHECK(molecule.conformation[3].z() == 0.4);
-}
-
 TEST_CASE("numbers are read the same whatever the locale") {
   const char* const previous = std::setlocale(LC_ALL, nullptr);
   const std::string kept = previous ? previous : "C";
@@ -103,24 +89,31 @@ TEST_CASE("texts that are no molecule are refused") {
   const struct {
     std::string conformation, message;
   } cases[] = {
-      {"", "conformation: neither an XYZ nor an SDF text"},
-      {"garbage\nmore\n", "conformation: neither an XYZ nor an SDF text"},
-      {"4\nonly a title\n", "conformation frame 1: Open Babel cannot read it as xyz"},
+      {"", "conformation: no frame of an XYZ text"},
+      {"garbage\nmore\n",
+       "conformation frame 1: no XYZ text: it must begin with a line that has the number of atoms"},
+      {"4\nonly a title\n",
+       "conformation frame 1: atom 1 is no line with a symbol and three numbers"},
       {kWater3, "conformation: 3 atoms have no torsion: transition_states must be empty"},
       {"1\nneon\nNe 0 0 0\n", "conformation frame 1: 1 atoms, at least 2 are needed"},
       {kPeroxide + kPeroxide, "conformation: 2 frames, it must be one"},
+      {replaced(kPeroxide, "4\n", "4 atoms\n"),
+       "conformation frame 1: no XYZ text: it must begin with a line that has the number of atoms"},
+      {last_atom("H 8 8"),
+       "conformation frame 1: atom 4 is no line with a symbol and three numbers"},
+      {last_atom("H 8 8 8,1"),
+       "conformation frame 1: atom 4 is no line with a symbol and three numbers"},
       {last_atom("H 8 8 8"), "conformation: not one molecule: no bonds lead from O1 to H4"},
       {last_atom("H 0.8 0.9 0.3"), "conformation frame 1: H3 and H4 are only 0.1 Å apart"},
       {last_atom("U -0.8 -0.9 0.4"),
-       "conformation frame 1: atom 4 has the atomic number 92, for which no van der Waals radius "
-       "is known"},
+       "conformation frame 1: atom 4 is no element whose van der Waals radius is known"},
   };
   for (const auto& c : cases) refused(c.conformation, kTransPeroxide, c.message);
   CHECK(read_molecule(kPeroxide, {}, {}).paths.empty());
 }
 
 TEST_CASE("transition states that do not belong to the conformation are refused") {
-  refused(kPeroxide, "", "transition_states[0]: neither an XYZ nor an SDF text");
+  refused(kPeroxide, "", "transition_states[0]: no frame of an XYZ text");
   refused(kButane.conformation(), kTransPeroxide,
           "transition_states[0] frame 1: 4 atoms, the conformation has 14");
   refused(kPeroxide, replaced(kTransPeroxide, "O 0.0000 -0.7300", "S 0.0000 -0.7300"),
@@ -195,12 +188,12 @@ TEST_CASE("parameters out of range are refused through the plug-in") {
   };
   refused("probe_radius", 0, "parameter probe_radius is 0, it must be from 0.1 to 10");
   refused("penalty", -1, "parameter penalty is -1, it must be from 1 to 100000");
-  CHECK_THROWS_WITH(
-      hapgrid::Plugin("molecule", {HAPGRID_BUILD_DIR "/models"}).create({}),
-      Equals("model molecule: parameter conformation is missing: a text in XYZ or SDF format"));
+  CHECK_THROWS_WITH(hapgrid::Plugin("molecule", {HAPGRID_BUILD_DIR "/models"}).create({}),
+                    Equals("model molecule: parameter conformation is missing: an XYZ text"));
   // An exception of the plug-in with a C++ library of its own arrives as a line.
   CHECK_THROWS_WITH(hapgrid::Plugin("molecule", {HAPGRID_BUILD_DIR "/models"})
                         .create({{"conformation", std::string("garbage")},
                                  {"transition_states", std::vector<std::string>{"more"}}}),
-                    Equals("model molecule: conformation: neither an XYZ nor an SDF text"));
+                    Equals("model molecule: conformation frame 1: no XYZ text: it must begin with "
+                           "a line that has the number of atoms"));
 }

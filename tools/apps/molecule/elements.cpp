@@ -10,10 +10,9 @@ constexpr Element kElements[] = {
 };
 }  // namespace
 
-const Element* find_element(unsigned atomic_number) {
-  const Element* found =
-      std::find_if(std::begin(kElements), std::end(kElements),
-                   [&](const Element& one) { return one.number == atomic_number; });
+const Element* find_element(std::string_view symbol) {
+  const Element* found = std::find_if(std::begin(kElements), std::end(kElements),
+                                      [&](const Element& one) { return one.symbol == symbol; });
   return found == std::end(kElements) ? nullptr : found;
 }
 

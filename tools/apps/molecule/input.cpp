@@ -1,12 +1,5 @@
 #include "tools/apps/molecule/input.hpp"
 
-#include <openbabel/atom.h>
-#include <openbabel/bond.h>
-#include <openbabel/mol.h>
-#include <openbabel/obconversion.h>
-#include <openbabel/oberror.h>
-#include <openbabel/obiter.h>
-
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
@@ -15,7 +8,6 @@
 #include <cstdio>
 #include <cstring>
 #include <optional>
-#include <sstream>
 #include <stdexcept>
 #include <string_view>
 
@@ -24,21 +16,23 @@ namespace hapgrid::molecule {
 namespace {
 
 constexpr double kHartree = 2625.4996394799;  // kJ/mol, CODATA 2018
-constexpr std::size_t kMinAtoms = 2;          // one atom has no orientation
-constexpr std::size_t kMinAtomsToTurn = 4;    // fewer have no torsion
+constexpr double kBonded =
+    1.25;  // nearer than so many sums of covalent radii: as `hapgrid molecule` has it
+constexpr std::size_t kMinAtoms = 2;        // one atom has no orientation
+constexpr std::size_t kMinAtomsToTurn = 4;  // fewer have no torsion
 
-[[noreturn]] void refuse(const std::string& where, const std::string& what) {
+[[noreturn]] void refuse_text(const std::string& where, const std::string& what) {
   throw std::runtime_error(where + ": " + what);
 }
 
-std::string decimal(const char* format, double value) {
+std::string formatted(const char* format, double value) {
   char digits[64];
   std::snprintf(digits, sizeof digits, format, value);
   return digits;
 }
 
 struct Frame {
-  std::vector<unsigned> numbers;  // atomic numbers
+  std::vector<const Element*> atoms;
   Positions positions;
   std::vector<std::pair<int, int>> bonds;
   std::optional<double> above;     // kJ/mol above the conformation
@@ -61,98 +55,101 @@ std::optional<double> number_after(std::string_view title, std::string_view key)
 
 /// An atom as editors show it, "C3": the symbol and the number counted from 1.
 std::string name(const Frame& frame, int atom) {
-  const Element* element = find_element(frame.numbers[atom]);
-  return std::string(element ? element->symbol : "?") + std::to_string(atom + 1);
+  return frame.atoms[atom]->symbol + std::to_string(atom + 1);
 }
 
-bool is_sdf(const std::string& contents) {
-  return contents.find("V2000") != contents.npos || contents.find("V3000") != contents.npos;
+/// Takes the next line off a text.
+std::string_view next_line(std::string_view& text) {
+  const std::string_view line = text.substr(0, text.find('\n'));
+  text.remove_prefix(std::min(line.size() + 1, text.size()));
+  return line;
 }
 
-bool is_xyz(const std::string& contents) {
-  std::istringstream lines(contents);
-  std::string line;
-  std::getline(lines, line);
-  line.erase(std::remove_if(line.begin(), line.end(),
-                            [](char c) { return c == ' ' || c == '\r' || c == '\t'; }),
-             line.end());
-  return !line.empty() &&
-         std::all_of(line.begin(), line.end(), [](char c) { return c >= '0' && c <= '9'; });
+/// Takes the next word off a line; empty where there is none.
+std::string_view next_word(std::string_view& line) {
+  constexpr std::string_view kBlanks = " \t\r";
+  line.remove_prefix(std::min(line.find_first_not_of(kBlanks), line.size()));
+  const std::string_view word = line.substr(0, line.find_first_of(kBlanks));
+  line.remove_prefix(word.size());
+  return word;
 }
 
-Frame frame_of(OpenBabel::OBMol& mol) {
+/// Whether a word is a number and nothing else, whatever the locale.
+template <class Number>
+bool read_number(std::string_view word, Number& value) {
+  if (!word.empty() && word.front() == '+') word.remove_prefix(1);
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  return error == std::errc() && end == word.data() + word.size();
+}
+
+/// Takes a frame off an XYZ text: the number of atoms, the title, and a line for each atom, whose
+/// further words are left out.
+Frame next_frame(std::string_view& text, const std::string& where) {
+  std::string_view first = next_line(text);
+  std::size_t count = 0;
+  if (!read_number(next_word(first), count) || !next_word(first).empty())
+    refuse_text(where, "no XYZ text: it must begin with a line that has the number of atoms");
+  const std::string_view title = next_line(text);
   Frame frame;
-  for (unsigned i = 1; i <= mol.NumAtoms(); ++i) {
-    OpenBabel::OBAtom& atom = *mol.GetAtom(static_cast<int>(i));
-    frame.numbers.push_back(atom.GetAtomicNum());
-    frame.positions.emplace_back(atom.GetX(), atom.GetY(), atom.GetZ());
-  }
-  FOR_BONDS_OF_MOL(bond, mol) {
-    const int a = static_cast<int>(bond->GetBeginAtomIdx()) - 1;
-    const int b = static_cast<int>(bond->GetEndAtomIdx()) - 1;
-    frame.bonds.emplace_back(std::min(a, b), std::max(a, b));
-  }
-  std::sort(frame.bonds.begin(), frame.bonds.end());
-  const std::string title = mol.GetTitle();
   frame.above = number_after(title, "dE=");
   frame.absolute = number_after(title, "E=");
   if (!frame.absolute) frame.absolute = number_after(title, "energy:");
   if (frame.absolute) *frame.absolute *= kHartree;
+  while (frame.atoms.size() < count) {
+    std::string_view line = next_line(text);
+    const std::string atom = "atom " + std::to_string(frame.atoms.size() + 1);
+    const std::string_view symbol = next_word(line);
+    Eigen::Vector3d& position = frame.positions.emplace_back();
+    for (double& x : position)
+      if (!read_number(next_word(line), x))
+        refuse_text(where, atom + " is no line with a symbol and three numbers");
+    frame.atoms.push_back(find_element(symbol));
+    if (!frame.atoms.back())
+      refuse_text(where, atom + " is no element whose van der Waals radius is known");
+  }
   return frame;
+}
+
+/// Bonds by distances, each pair ascending, sorted.
+std::vector<std::pair<int, int>> bonds_of(const Frame& frame) {
+  std::vector<std::pair<int, int>> bonds;
+  for (int a = 0; a < static_cast<int>(frame.atoms.size()); ++a)
+    for (int b = a + 1; b < static_cast<int>(frame.atoms.size()); ++b)
+      if ((frame.positions[a] - frame.positions[b]).norm() <
+          kBonded * (frame.atoms[a]->covalent + frame.atoms[b]->covalent))
+        bonds.emplace_back(a, b);
+  return bonds;
 }
 
 /// Checks what one frame shows without the others.
 void check_frame(const Frame& frame, const std::string& where) {
   const std::size_t count = frame.positions.size();
   if (count < kMinAtoms)
-    refuse(where,
-           std::to_string(count) + " atoms, at least " + std::to_string(kMinAtoms) + " are needed");
+    refuse_text(where, std::to_string(count) + " atoms, at least " + std::to_string(kMinAtoms) +
+                           " are needed");
   for (int a = 0; a < static_cast<int>(count); ++a) {
-    if (!find_element(frame.numbers[a]))
-      refuse(where, "atom " + std::to_string(a + 1) + " has the atomic number " +
-                        std::to_string(frame.numbers[a]) +
-                        ", for which no van der Waals radius is known");
     if (!frame.positions[a].allFinite() || frame.positions[a].norm() > 1e4)
-      refuse(where, "the position of " + name(frame, a) + " is not finite or beyond 10000 Å");
+      refuse_text(where, "the position of " + name(frame, a) + " is not finite or beyond 10000 Å");
     for (int b = 0; b < a; ++b) {
       const double distance = (frame.positions[a] - frame.positions[b]).norm();
       if (distance < kMinDistance)
-        refuse(where, name(frame, b) + " and " + name(frame, a) + " are only " +
-                          decimal("%.3g", distance) + " Å apart");
+        refuse_text(where, name(frame, b) + " and " + name(frame, a) + " are only " +
+                               formatted("%.3g", distance) + " Å apart");
     }
   }
 }
 
-/// All frames of a text.
-std::vector<Frame> read_frames(const std::string& contents, const std::string& where) {
-  const char* format = is_sdf(contents) ? "sdf" : is_xyz(contents) ? "xyz" : nullptr;
-  if (!format) refuse(where, "neither an XYZ nor an SDF text");
-  // Its warnings would come between the lines that a filter writes.
-  OpenBabel::obErrorLog.StopLogging();
-  OpenBabel::OBConversion conversion;
-  if (!conversion.SetInFormat(format))
-    refuse(where, std::string("Open Babel has no reader of ") + format +
-                      " (are its format plug-ins installed? BABEL_LIBDIR)");
-  // An XYZ text has no bonds; they are found from distances, without bond orders, which take long
-  // and are of no use here. When Open Babel 3.1.1 does this while it reads, it leaks the
-  // coordinates; so it is asked afterwards.
-  const bool perceive = format[0] == 'x';
-  if (perceive) conversion.AddOption("b", OpenBabel::OBConversion::INOPTIONS);
-  std::istringstream stream(contents);
+/// All frames of a text, to its end: one that is damaged in the middle is no shorter one.
+std::vector<Frame> read_frames(std::string_view text, const std::string& where) {
   std::vector<Frame> frames;
-  for (;;) {
-    // Reading must go on to the text's end: a text that is damaged in the middle is no shorter one.
-    stream >> std::ws;
-    if (stream.eof()) break;
-    OpenBabel::OBMol mol;
+  constexpr std::string_view kSpace = " \t\r\n";
+  while (text.remove_prefix(std::min(text.find_first_not_of(kSpace), text.size())), !text.empty()) {
     const std::string here = where + " frame " + std::to_string(frames.size() + 1);
-    if (!conversion.Read(&mol, &stream) || mol.NumAtoms() == 0)
-      refuse(here, std::string("Open Babel cannot read it as ") + format);
-    if (perceive) mol.ConnectTheDots();
-    frames.push_back(frame_of(mol));
+    frames.push_back(next_frame(text, here));
     check_frame(frames.back(), here);
+    frames.back().bonds = bonds_of(frames.back());
   }
-  if (frames.empty()) refuse(where, "no frame");
+  if (frames.empty()) refuse_text(where, "no frame of an XYZ text");
   return frames;
 }
 
@@ -163,25 +160,24 @@ void check_connected(const Frame& frame, const std::string& where) {
   for (const auto& [a, b] : frame.bonds) std::replace(part.begin(), part.end(), part[b], part[a]);
   for (std::size_t i = 1; i < part.size(); ++i)
     if (part[i] != part[0])
-      refuse(where, "not one molecule: no bonds lead from " + name(frame, 0) + " to " +
-                        name(frame, static_cast<int>(i)));
+      refuse_text(where, "not one molecule: no bonds lead from " + name(frame, 0) + " to " +
+                             name(frame, static_cast<int>(i)));
 }
 
 void check_same_atoms(const Frame& conformation, const Frame& frame, const std::string& where) {
-  if (frame.numbers.size() != conformation.numbers.size())
-    refuse(where, std::to_string(frame.numbers.size()) + " atoms, the conformation has " +
-                      std::to_string(conformation.numbers.size()));
-  for (std::size_t i = 0; i < frame.numbers.size(); ++i)
-    if (frame.numbers[i] != conformation.numbers[i])
-      refuse(where, "atom " + std::to_string(i + 1) + " is " +
-                        find_element(frame.numbers[i])->symbol + ", in the conformation " +
-                        find_element(conformation.numbers[i])->symbol +
-                        "; is the order of the atoms the same?");
+  if (frame.atoms.size() != conformation.atoms.size())
+    refuse_text(where, std::to_string(frame.atoms.size()) + " atoms, the conformation has " +
+                           std::to_string(conformation.atoms.size()));
+  for (std::size_t i = 0; i < frame.atoms.size(); ++i)
+    if (frame.atoms[i] != conformation.atoms[i])
+      refuse_text(where, "atom " + std::to_string(i + 1) + " is " + frame.atoms[i]->symbol +
+                             ", in the conformation " + conformation.atoms[i]->symbol +
+                             "; is the order of the atoms the same?");
   const auto check_bonds = [&](const Frame& one, const Frame& other, const char* how) {
     for (const auto& bond : one.bonds)
       if (!std::binary_search(other.bonds.begin(), other.bonds.end(), bond))
-        refuse(where, name(frame, bond.first) + " and " + name(frame, bond.second) +
-                          " are bonded " + how + "; is the order of the atoms the same?");
+        refuse_text(where, name(frame, bond.first) + " and " + name(frame, bond.second) +
+                               " are bonded " + how + "; is the order of the atoms the same?");
   };
   check_bonds(conformation, frame, "in the conformation but not here");
   check_bonds(frame, conformation, "here but not in the conformation");
@@ -192,15 +188,15 @@ double energy_above(const Frame& conformation, const Frame& frame, const std::st
   if (!frame.absolute || !conformation.absolute) {
     if (frame.above) return *frame.above;
     if (!frame.absolute)
-      refuse(where,
-             "no energy: its title needs dE= (kJ/mol above the conformation) or E= (hartree)");
-    refuse(where, "its energy is absolute, but the conformation's title has no E= (hartree)");
+      refuse_text(where,
+                  "no energy: its title needs dE= (kJ/mol above the conformation) or E= (hartree)");
+    refuse_text(where, "its energy is absolute, but the conformation's title has no E= (hartree)");
   }
   const double difference = *frame.absolute - *conformation.absolute;
   if (frame.above && std::abs(*frame.above - difference) > kMaxEnergiesDiffer)
-    refuse(where, "dE= gives " + decimal("%.6g", *frame.above) +
-                      " kJ/mol above the conformation, E= gives " + decimal("%.6g", difference) +
-                      ": remove one");
+    refuse_text(where, "dE= gives " + formatted("%.6g", *frame.above) +
+                           " kJ/mol above the conformation, E= gives " +
+                           formatted("%.6g", difference) + ": remove one");
   return frame.above ? *frame.above : difference;
 }
 
@@ -210,9 +206,10 @@ std::size_t start_of(const Frame& conformation, const std::vector<Frame>& frames
   double nearest = aligned_rmsd(frames[0].positions, conformation.positions);
   for (std::size_t m = 0; m < frames.size(); ++m)
     if (aligned_rmsd(frames[m].positions, conformation.positions) <= kMaxFirstNodeRmsd) return m;
-  refuse(where + " frame 1", "is not the conformation: " + decimal("%.3g", nearest) +
-                                 " Å RMS apart, the limit is " + decimal("%g", kMaxFirstNodeRmsd) +
-                                 "; no other frame is it");
+  refuse_text(where + " frame 1", "is not the conformation: " + formatted("%.3g", nearest) +
+                                      " Å RMS apart, the limit is " +
+                                      formatted("%g", kMaxFirstNodeRmsd) +
+                                      "; no other frame is it");
 }
 
 /// Finds the minima behind saddles, going from the conformation either way.
@@ -245,9 +242,9 @@ void check_climbs(const Path& path, const Where& here) {
          m >= 0 && m < static_cast<int>(path.nodes.size()) && highest <= kMinDepth; m += step) {
       highest = std::max(highest, path.energies[m]);
       if (path.energies[m] < -kMaxEnergyBelow)
-        refuse(here(static_cast<std::size_t>(m)),
-               "is " + decimal("%.6g", -path.energies[m]) +
-                   " kJ/mol below the conformation, which must be a minimum");
+        refuse_text(here(static_cast<std::size_t>(m)),
+                    "is " + formatted("%.6g", -path.energies[m]) +
+                        " kJ/mol below the conformation, which must be a minimum");
     }
   }
 }
@@ -274,15 +271,15 @@ Path path_of(const Frame& conformation, std::vector<Frame> frames, const std::st
         last && energy_of_last ? *energy_of_last : energy_above(conformation, frames[m], here(m));
     path.energies.push_back(energy);
     if (m == path.start && given == 0 && energy > kMaxEnergyBelow)
-      refuse(here(m), "is " + decimal("%.6g", energy) +
-                          " kJ/mol above the conformation, where its path must start");
+      refuse_text(here(m), "is " + formatted("%.6g", energy) +
+                               " kJ/mol above the conformation, where its path must start");
   }
   find_minima(path);
   if (path.beyond()) {
-    if (energy_of_last) refuse("energies", where + " goes on behind its transition state");
+    if (energy_of_last) refuse_text("energies", where + " goes on behind its transition state");
   } else if (const double energy = path.energies.back(); !(energy > 0)) {
-    refuse(here(frames.size() - 1), "the transition state is " + decimal("%.6g", energy) +
-                                        " kJ/mol above the conformation, it must be above 0");
+    refuse_text(here(frames.size() - 1), "the transition state is " + formatted("%.6g", energy) +
+                                             " kJ/mol above the conformation, it must be above 0");
   }
   check_climbs(path, [&](std::size_t m) { return here(m - given); });
   path.energies[path.start] = 0;
@@ -313,18 +310,18 @@ Molecule read_molecule(const std::string& conformation_text,
                        const std::vector<double>& energies) {
   const std::vector<Frame> first = read_frames(conformation_text, "conformation");
   if (first.size() != 1)
-    refuse("conformation", std::to_string(first.size()) + " frames, it must be one");
+    refuse_text("conformation", std::to_string(first.size()) + " frames, it must be one");
   const Frame& conformation = first[0];
   check_connected(conformation, "conformation");
   if (!transition_states.empty() && first[0].positions.size() < kMinAtomsToTurn)
-    refuse("conformation", std::to_string(first[0].positions.size()) +
-                               " atoms have no torsion: transition_states must be empty");
+    refuse_text("conformation", std::to_string(first[0].positions.size()) +
+                                    " atoms have no torsion: transition_states must be empty");
   if (!energies.empty() && energies.size() != transition_states.size())
-    refuse("energies", std::to_string(energies.size()) + " numbers for " +
-                           std::to_string(transition_states.size()) + " transition states");
+    refuse_text("energies", std::to_string(energies.size()) + " numbers for " +
+                                std::to_string(transition_states.size()) + " transition states");
 
   Molecule molecule;
-  for (const unsigned number : conformation.numbers) molecule.atoms.push_back(find_element(number));
+  molecule.atoms = conformation.atoms;
   molecule.bonds = conformation.bonds;
   molecule.conformation = conformation.positions;
   for (std::size_t k = 0; k < transition_states.size(); ++k) {

@@ -1,5 +1,5 @@
-// Reads a molecule, its conformation and its paths to transition states from texts in XYZ or SDF
-// format, with Open Babel. Whatever could make the morph wrong is refused here.
+// Reads a molecule, its conformation and its paths to transition states from XYZ texts.
+// Whatever could make the morph wrong is refused here.
 #pragma once
 
 #include <Eigen/Core>
@@ -53,8 +53,7 @@ inline constexpr double kMaxEnergiesDiffer = 0.06;
 /// The least distance of two atoms in a shape, Å.
 inline constexpr double kMinDistance = 0.5;
 
-/// @param conformation one frame. Its bonds are those that the text gives (SDF), else those that
-/// Open Babel perceives from distances.
+/// @param conformation one frame. Bonds are found by distances.
 /// @param transition_states one text for each transition state, with one frame or with the nodes of
 /// the path, one of which is the conformation; may be empty. A frame's title gives its energy:
 /// "dE=" in kJ/mol above the conformation, or "E=" or "energy:" in hartree where the conformation's

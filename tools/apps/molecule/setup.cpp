@@ -61,7 +61,7 @@ Setup read_setup(PluginParameters& parameters) {
   const std::vector<std::string> torsions = parameters.texts("torsions");
   parameters.finish();
   if (conformation.empty())
-    throw std::runtime_error("parameter conformation is missing: a text in XYZ or SDF format");
+    throw std::runtime_error("parameter conformation is missing: an XYZ text");
   setup.molecule = read_molecule(conformation, transition_states, energies);
   for (const std::string& text : torsions)
     setup.torsions.push_back(read_torsion(text, setup.molecule.atoms.size()));

@@ -9,7 +9,7 @@
 namespace hapgrid::molecule {
 
 /// [model.files] / [model.parameters]:
-///   conformation         text of an XYZ or SDF file with one frame: the minimum
+///   conformation         XYZ text with one frame: the minimum
 ///   transition_states    texts: one frame, or the nodes of a path from the conformation, or of one
 ///                        that goes on behind its saddles and has the conformation inside; without
 ///                        any the molecule keeps its shape, and a state is shift and rotation
