@@ -1,7 +1,7 @@
 // How often a rule of traversal is on the branch that the model is on, how far the force that it
 // sends is off, and what a step costs.
 //
-//   bench_branches GRID MODELS KIND RIGHT [PATHS] [SEED] [SPEED] [DELAY] [TICKS]
+//   bench_branches GRID MODELS KIND RIGHT [PATHS] [SEED] [SPEED] [DELAY] [TICKS] [OF]
 //
 // MODELS is the directory of the plug-ins. KIND is what the paths are like:
 //   touch     smooth ways from one touched place to the next
@@ -11,7 +11,9 @@
 //   diagonal  there and back between two random places
 //   tear-off  from a point with one level along a branch to a place where it ends, and 40 times to
 //             and fro within two spacings of it
-// Each path has TICKS ticks or more (4000), SPEED of them a spacing (20). It is followed by each
+// Each path has TICKS ticks or more (4000), SPEED of them a spacing (20). OF is the grid whose
+// touched places and spacing the paths have, for the same paths in grids of several spacings (GRID;
+// not for tear-off). Each path is followed by each
 // rule, and by the model itself, asked 32 times a spacing. A tick is right when the spheres that
 // show the state are within RIGHT (root mean square, the model's unit of length) of the model's.
 // Only ticks are counted in which the model pushes the hand. With RIGHT 0 the model is not asked:
@@ -234,7 +236,11 @@ int run(const Grid& grid, int argc, char** argv) {
   };
   const std::uint64_t count = number(5, 20), seed = number(6, 1), speed = number(7, 20);
   const Played played(grid, make);
-  const Paths paths(grid, played.records.force, kind, static_cast<double>(speed), number(9, 4000));
+  const std::optional<Grid> other =
+      argc > 10 ? std::optional(load_grid(argv[10]).grid) : std::nullopt;
+  const Grid& of = other ? *other : grid;
+  const Paths paths(of, other ? record_fields(of, make, 1).force : played.records.force, kind,
+                    static_cast<double>(speed), number(9, 4000));
   ModelTraversal truth(grid, make());
   const auto by_branch = [&] { return std::make_unique<BranchTraversal>(grid, played.map); };
   std::vector<std::unique_ptr<Rule>> rules;
@@ -279,6 +285,6 @@ int run(const Grid& grid, int argc, char** argv) {
 
 int main(int argc, char** argv) {
   return bench::main_of(
-      argc, argv, 5, "bench_branches GRID MODELS KIND RIGHT [PATHS] [SEED] [SPEED] [DELAY] [TICKS]",
-      run);
+      argc, argv, 5,
+      "bench_branches GRID MODELS KIND RIGHT [PATHS] [SEED] [SPEED] [DELAY] [TICKS] [OF]", run);
 }
