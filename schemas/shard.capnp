@@ -22,7 +22,6 @@ struct Message {
     records @1 :RecordChunk;
     requests @2 :RequestChunk;
     footer @3 :Footer;
-    tears @4 :TearChunk;
   }
 }
 
@@ -73,12 +72,10 @@ struct Header {
   # For people and pictures; empty or 0 where the model does not say. hipRadius: of the ball that
   # the HIP moves.
 
-  tears @17 :Tears;
-
-  forceScale @18 :Float64;
+  forceScale @17 :Float64;
   # Newtons that one unit of energy per unit of length is; 0 where the model does not say.
 
-  modelVersion @19 :Text;
+  modelVersion @18 :Text;
   # The version of the model, in its own words. A model of another version does not go on with this
   # grid. Empty where the model does not say.
 
@@ -87,17 +84,6 @@ struct Header {
     # Record chunks: all records that are known.
     requests @1;
     # Request chunks: what some of the frontier's conversions reached.
-    tears @2;
-    # Tear chunks: the tear fractions of some one-way links of a grid without frontier.
-  }
-
-  enum Tears {
-    none @0;
-    # The grid gets no tear fractions.
-    wanted @1;
-    # It gets them when it has no frontier left.
-    stored @2;
-    # A grid without frontier that has them.
   }
 }
 
@@ -170,12 +156,6 @@ struct RecordChunk {
   # Where the header says that they are stored; else empty. Force on the HIP in newtons (3
   # components), energy (1), centres of the spheres (x y z by sphere), each component by component
   # like the states.
-
-  tears @8 :Data;
-  # Where the header says that they are stored, 26 bytes a record like the links; else empty. Of a
-  # one-way link (the link straight back leads to another record), the number of the interval, of 32
-  # equal ones along the link, in which the model leaves the branch of the record; 255 for all other
-  # directions.
 }
 
 struct RequestChunk {
@@ -197,18 +177,6 @@ struct RequestChunk {
   energy @5 :List(Float64);
   shape @6 :List(Float32);
   # What is stored with the state reached, as in RecordChunk.
-}
-
-struct TearChunk {
-  # Source records ascend by (point, level) through a section.
-
-  point @0 :List(UInt32);
-  level @1 :Data;
-  directions @2 :List(UInt32);
-  # Bit q: the tear fraction of the link in direction q is here.
-
-  tears @3 :Data;
-  # A byte for each of these bits, record by record and q ascending, as in RecordChunk; never 255.
 }
 
 struct Footer {
@@ -234,8 +202,7 @@ struct ChunkInfo {
   # How many of its records are in the frontier: their generation is the header's.
 
   conversions @3 :UInt32;
-  # Those that its frontier asks for; of a request chunk, its requests; of a tear chunk, its tear
-  # fractions.
+  # Those that its frontier asks for; of a request chunk, its requests.
 
   firstPoint @4 :UInt32;
   lastPoint @5 :UInt32;

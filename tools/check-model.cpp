@@ -94,14 +94,11 @@ std::string report_text(const GridSpec& spec, const ModelInfo& info, const Model
     row("whole grid", "no estimate, because " + no_estimate);
     return text;
   }
-  const std::string tears =
-      spec.tears ? format(" and {} for tear fractions", e->tear_conversions) : "";
   row("whole grid",
-      format(
-          "about {} levels a point ({} to {}), {} conversions{}: about {} ({} to {}) on one core",
-          fixed(e->levels.value, 2), fixed(e->levels.least, 2), fixed(e->levels.most, 2),
-          e->conversions, tears, time_text(e->cpu_seconds.value, 2),
-          time_text(e->cpu_seconds.least, 2), time_text(e->cpu_seconds.most, 2)));
+      format("about {} levels a point ({} to {}), {} conversions: about {} ({} to {}) on one core",
+             fixed(e->levels.value, 2), fixed(e->levels.least, 2), fixed(e->levels.most, 2),
+             e->conversions, time_text(e->cpu_seconds.value, 2), time_text(e->cpu_seconds.least, 2),
+             time_text(e->cpu_seconds.most, 2)));
   row("",
       format("from the search of coarser grids of the same box, up to {} points: {} conversions",
              e->points, e->searched));
@@ -128,7 +125,6 @@ std::string report_json(const GridSpec& spec, const ModelInfo& info, const Model
   json["grid"] = e ? Json{{"levels", e->levels.value},
                           {"levels_range", {e->levels.least, e->levels.most}},
                           {"conversions", e->conversions},
-                          {"tear_conversions", e->tear_conversions},
                           {"cpu_seconds", e->cpu_seconds.value},
                           {"cpu_seconds_range", {e->cpu_seconds.least, e->cpu_seconds.most}},
                           {"points_searched", e->points},

@@ -16,8 +16,6 @@
 #include "libcore/base/parallel.hpp"
 #include "libcore/search/complete.hpp"
 #include "libcore/search/levels.hpp"
-#include "libcore/search/tears.hpp"
-#include "libcore/shard/load.hpp"
 #include "libcore/shard/writer.hpp"
 #include "tools/common/crash.hpp"
 #include "tools/common/inputs.hpp"
@@ -43,11 +41,6 @@ struct Options {
 
 std::string progress_text(const Progress& progress, const GridSpec& spec, bool complete,
                           double seconds) {
-  if (progress.links > 0)
-    return format("expand: tear fractions, {} of {} one-way links, {} conversions",
-                  short_number(static_cast<double>(progress.links_done)),
-                  short_number(static_cast<double>(progress.links)),
-                  short_number(static_cast<double>(progress.tear_conversions)));
   const double done = static_cast<double>(progress.frontier_done);
   const double all = static_cast<double>(progress.frontier_conversions);
   const double rate = static_cast<double>(progress.conversions) / std::max(seconds, 1e-3);
@@ -91,32 +84,18 @@ void write_complete(const Section& grid, Converter& converter, Progress& progres
       partial);
 }
 
-SectionHeader header_of(const Section& grid, Content content) {
-  return {content, grid.header.generation, grid.header.spec};
-}
-
 void write_requests(const Section& grid, Part part, Converter& converter, Progress& progress,
                     OutputFile& out) {
   FrontierReader frontier(grid, part);
   progress.frontier_conversions = frontier.conversions();
   progress.frontier_records = grid.frontier();
-  const SectionHeader header = header_of(grid, Content::kRequests);
+  const SectionHeader header{Content::kRequests, grid.header.generation, grid.header.spec};
   SectionWriter requests(out.fd(), out.name(), header);
   expand([&](FrontierRecord& record) { return frontier.next(record); }, converter, header.spec,
          [&](PointIndex point, Level level, DirectionMask directions, const double* rows) {
            requests.requests(point, level, directions, rows);
          });
   requests.finish();
-}
-
-/// Unlike requests, this takes memory for the whole grid (tears.hpp).
-void write_tears(const Section& section, Part part, Converter& converter, Progress& progress,
-                 OutputFile& out) {
-  const Grid grid = load_grid(section).grid;
-  const std::vector<OneWayLink> links = one_way_links(grid, part);
-  const std::vector<TearByte> tears = find_tears(grid, links, converter, progress);
-  SectionWriter shard(out.fd(), out.name(), header_of(section, Content::kTears));
-  write_tears(grid, links, tears, shard);
 }
 
 Part part_of(const std::string& text) {
@@ -129,14 +108,14 @@ Part part_of(const std::string& text) {
 /// something else
 bool is_there(const std::string& name, const Section& grid) {
   if (!std::filesystem::exists(name)) return false;
-  const Content content = grid.next_round().value_or(Content::kRequests);
   for (const Section& section : open_sections({name})) {
     const SectionHeader& header = section.header;
-    if (header.content != content || header.generation != grid.header.generation ||
+    if (header.content != Content::kRequests || header.generation != grid.header.generation ||
         !(header.spec == grid.header.spec))
       throw FormatError(format(
-          "{} is there already, and holds no {} for generation {} of this grid: remove it first",
-          name, to_string(content), grid.header.generation));
+          "{} is there already, and holds no requests for generation {} of this grid: remove it "
+          "first",
+          name, grid.header.generation));
   }
   return true;
 }
@@ -145,8 +124,8 @@ bool is_there(const std::string& name, const Section& grid) {
 void tell_cost(const Options& options, std::uint32_t generation, Part part,
                const Progress& progress, const char* failed = "") {
   if (options.cost.empty()) return;
-  append_cost(options.cost, {"expand", generation, progress.conversions, progress.tear_conversions,
-                             part.number, part.of, failed});
+  append_cost(options.cost,
+              {"expand", generation, progress.conversions, part.number, part.of, failed});
 }
 
 int run(const Options& options) {
@@ -188,8 +167,6 @@ int run(const Options& options) {
         [&](double seconds) { return progress_text(progress, spec, options.complete, seconds); });
     if (options.complete)
       write_complete(start, converter, progress, out, partial ? &*partial : nullptr);
-    else if (grid.next_round() == Content::kTears)
-      write_tears(grid, part, converter, progress, out);
     else
       write_requests(grid, part, converter, progress, out);
   } catch (const Stopped& e) {
@@ -214,9 +191,7 @@ int main(int argc, char** argv) {
   Options options;
   CommandLine app{
       "Evaluates the model's conversion function in 26 directions for each record of the\n"
-      "frontier of a grid, and writes what was reached as requests for merge. When there is no\n"
-      "frontier, it finds how far along each one-way link the model snaps: tear fractions. This\n"
-      "last round loads the whole grid; the rounds before it read the grid as a stream."};
+      "frontier of a grid, and writes what was reached as requests for merge."};
   app.set_help("expand",
                "The result does not depend on -j, nor on how the frontier was cut into parts.\n");
   add_grid(app, options.grid);

@@ -78,11 +78,9 @@ int main(int argc, char** argv) {
       "Merges the requests of one whole generation into a grid: finds or stores each state that\n"
       "was reached, and settles the destination levels (Algorithm 1, lines 10 to 20). The grid\n"
       "and the requests come in any order and any number of shards; requests that are missing\n"
-      "are an error. A grid without frontier gets its tear fractions in the same way; when it has\n"
-      "them, or does not want them, it stays as it is. The whole grid is held in memory."};
+      "are an error. A grid without frontier stays as it is. The whole grid is held in memory."};
   app.set_help("merge");
-  add_inputs(app, options.shards,
-             "The grid and all requests of its frontier, or all its tear fractions");
+  add_inputs(app, options.shards, "The grid and all requests of its frontier");
   add_output(app, options.output);
   app.add_flag("--small", options.small,
                "Write a finished grid in large chunks at a high zstd level, for keeping and for "

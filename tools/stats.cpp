@@ -51,13 +51,11 @@ const Json* find(const Json& json, const std::string& key) {
 /// A value that header and footer tell, so that a loop over generations need not read the whole
 /// grid each time: its chunks are not looked at, and damage in them is not seen here.
 std::optional<Json> value_from_footer(const std::string& key, const std::string& name) {
-  if (key != "frontier" && key != "records" && key != "generation" && key != "conversions_left" &&
-      key != "todo")
+  if (key != "frontier" && key != "records" && key != "generation" && key != "conversions_left")
     return std::nullopt;
   const Section grid = open_grid(name);
   if (key == "generation") return grid.header.generation;
   if (key == "frontier") return grid.frontier();
-  if (key == "todo") return grid.todo();
   return key == "conversions_left" ? grid.conversions() : grid.records();
 }
 

@@ -36,11 +36,11 @@ constexpr std::uint64_t kDefaultWalks = 100;
 
 constexpr const char* kChecks =
     "The rows of the report:\n"
-    "  complete, coverage, links, finite, distinct, fractions\n"
+    "  complete, coverage, links, finite, distinct\n"
     "               all points, states and links are there\n"
     "  reachable, generations\n"
     "               links lead from the seeds to each record, as far as its generation\n"
-    "  fidelity, stored, tears\n"
+    "  fidelity, stored\n"
     "               the model, asked again, gives what the grid has\n"
     "  stable       states come back from a push, and are on no barrier's top\n"
     "  snaps        the model snaps at the same links in short pieces, and does not leap\n"

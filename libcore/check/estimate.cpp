@@ -34,8 +34,6 @@ using Clock = std::chrono::steady_clock;
 constexpr double kRequestSeconds = 20e-9;
 constexpr std::uint32_t kFewestPoints = 4;  // along the longest side of the first box
 constexpr double kFiner = 0.7;              // the stride of the next box, for that of the last one
-// A conversion of a bisection goes half a step or less.
-constexpr double kBisectionStep = 0.5;
 // What a single coarse grid may be wrong by: tests/cli/check-model/slow/estimate.sh.
 constexpr double kUnknownFactor = 3;
 constexpr double kRuleOfThree = 3;
@@ -119,8 +117,6 @@ std::string name_of(const FileDescriptor& file) { return format("/proc/self/fd/{
 /// What one search has found.
 struct Found {
   double levels = 1;  ///< of a point
-  double tear_share =
-      0;  ///< how many conversions for tear fractions there are for one of the others
   std::uint64_t points = 0, conversions = 0;
   bool is_whole = true;  ///< it has come to its end
 };
@@ -150,7 +146,6 @@ Found search(const Definition& definition, std::unique_ptr<Model>& model, Clock:
   found.points = spec.box.points();
   found.conversions = progress.conversions;
   found.levels = std::max(1.0, count(progress.records) / count(found.points));
-  found.tear_share = count(progress.tear_conversions) / std::max(1.0, count(progress.conversions));
   return found;
 }
 
@@ -213,13 +208,10 @@ GridEstimate estimate_grid(const Definition& definition, const ModelSource& sour
   std::uint64_t pairs = 1;
   for (const std::uint32_t n : box.counts) pairs *= 3 * std::uint64_t{n} - 2;
   const double conversions = levels * count(pairs - box.points());
-  const double tear_conversions = series.last.tear_share * conversions;
   const auto whole = [](double x) { return static_cast<std::uint64_t>(std::llround(x)); };
   estimate.conversions = whole(conversions);
-  estimate.tear_conversions = whole(tear_conversions);
   const auto cost = [&](double of_levels, double of_one) {
-    return of_levels / levels *
-           (conversions * (of_one + kRequestSeconds) + tear_conversions * kBisectionStep * of_one);
+    return of_levels / levels * conversions * (of_one + kRequestSeconds);
   };
   estimate.cpu_seconds = {cost(levels, conversion.value),
                           cost(series.levels.least, conversion.least),

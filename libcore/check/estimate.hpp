@@ -14,18 +14,17 @@ struct Range {
 };
 
 struct GridEstimate {
-  Range levels;                        ///< a point
-  std::uint64_t conversions = 0;       ///< of the rounds
-  std::uint64_t tear_conversions = 0;  ///< of the round of tear fractions; 0 without them
-  Range cpu_seconds;                   ///< of both, on one core
-  std::uint64_t play_bytes = 0;        ///< of the grid in memory
-  std::uint64_t expand_bytes = 0;      ///< of the requests around the frontier
-  std::uint64_t points = 0;            ///< of the finest grid that was searched for this
-  std::uint64_t searched = 0;          ///< conversions of all of these searches
+  Range levels;  ///< a point
+  std::uint64_t conversions = 0;
+  Range cpu_seconds;               ///< on one core
+  std::uint64_t play_bytes = 0;    ///< of the grid in memory
+  std::uint64_t expand_bytes = 0;  ///< of the requests around the frontier
+  std::uint64_t points = 0;        ///< of the finest grid that was searched for this
+  std::uint64_t searched = 0;      ///< conversions of all of these searches
 };
 
 /// Searches a coarse grid in the same box, then finer ones while there is time. The last one that
-/// ended gives the levels of a point and the share of conversions for tear fractions. The range of
+/// ended gives the levels of a point. The range of
 /// levels is what they changed by from the grid before, twice, to either side, and at least what
 /// the number of points leaves open; of a single grid, a factor of 3 of the levels beyond the
 /// first. The range of the time also has the spread of the conversions.

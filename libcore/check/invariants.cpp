@@ -108,25 +108,6 @@ Check check_distinct(const Grid& grid, const Model& model) {
   return check;
 }
 
-Check check_fractions(const Grid& grid) {
-  Check check{"fractions",
-              "directions",
-              "one-way links without a tear fraction, and other directions that have one",
-              {}};
-  check.found.counted = std::uint64_t{grid.records()} * kDirections;
-  for (RecordIndex r = 0; r < grid.records(); ++r)
-    for (int q = 0; q < kDirections; ++q) {
-      const TearByte tear = grid.tears(r)[static_cast<std::size_t>(q)];
-      if (grid.is_one_way(r, q) == (tear != kNoTear)) continue;
-      check.found.offend(location_of(grid, r, q), [&] {
-        return describe_link(grid, r, q) +
-               (tear == kNoTear ? ": one-way, without a tear fraction"
-                                : format(": not one-way, with tear fraction {}", tear));
-      });
-    }
-  return check;
-}
-
 std::vector<std::uint32_t> find_distances(const Grid& grid) {
   std::vector<std::uint32_t> distance(grid.records(), kUnreached);
   // Breadth first: `reached` is the queue, and keeps what has left it.

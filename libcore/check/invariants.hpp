@@ -36,10 +36,6 @@ Check check_finite(const Grid& grid);
 /// c), 1:1). Counts pairs; states that are not finite are left to `finite`.
 Check check_distinct(const Grid& grid, const Model& model);
 
-/// `fractions`, of a grid that has tear fractions: each one-way link has one, and no other
-/// direction has.
-Check check_fractions(const Grid& grid);
-
 /// By record: the smallest number of links that lead to it from the records of generation 0 (the
 /// seeds); kUnreached where none do.
 std::vector<std::uint32_t> find_distances(const Grid& grid);

@@ -1,16 +1,16 @@
 #include "libcore/check/passive.hpp"
 
-#include <array>
 #include <cmath>
+#include <memory>
 #include <utility>
 #include <vector>
 
-#include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
+#include "libcore/base/parallel.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/follow/node_force.hpp"
 #include "libcore/grid/describe.hpp"
-#include "libcore/search/tears.hpp"
+#include "libcore/grid/vec3.hpp"
 
 namespace hapgrid {
 
@@ -23,6 +23,7 @@ constexpr double kRounding = 1e-6;
 // elsewhere; common devices have more friction (Geomagic Touch: 0.26 N).
 constexpr double kFriction = 0.2;
 constexpr double kAllowedAtSnap = 2 * kFriction;  // in newtons times the spacing
+constexpr int kPlaces = 32;                       // of a link, where the model may snap
 
 Check empty_check() {
   return {"passive", "links", "snaps that lead up, so that a closed walk gains energy", {}};
@@ -89,11 +90,10 @@ Rise rise_at(const NodeEnergies& nodes, const SnapLink& link, double at) {
   return rise;
 }
 
-/// At how many of the places that a tear fraction can name the snap leads up too far.
+/// At how many of kPlaces places along the link the snap leads up too far.
 int places_up(const NodeEnergies& nodes, const SnapLink& link) {
   int up = 0;
-  for (TearByte tear = 0; tear < kTearSteps; ++tear)
-    up += rise_at(nodes, link, tear_fraction(tear)).is_up();
+  for (int i = 0; i < kPlaces; ++i) up += rise_at(nodes, link, (i + 0.5) / kPlaces).is_up();
   return up;
 }
 
@@ -122,35 +122,62 @@ void add_rise(Check& check, const Grid& grid, const NodeEnergies& nodes, const S
   });
 }
 
+/// Where on its way from s at x by d the model snaps, to half a place: the model does not come back
+/// from behind the snap. NaN when a conversion fails; model.error() says why.
+double snap_place(Model& model, std::span<const double> s, const Vec3& x, const Vec3& d) {
+  std::vector<double> before(s.begin(), s.end()), middle(s.size()), back(s.size());
+  double low = 0, high = 1;
+  while (high - low > 1.0 / kPlaces) {
+    const double half = (high - low) / 2;
+    const Vec3 at = x + low * d, step = half * d;
+    if (!model.convert(before.data(), at, step, middle.data()) ||
+        !model.convert(middle.data(), at + step, -1 * step, back.data()))
+      return std::nan("");
+    if (model.equal(back.data(), before.data())) {
+      low += half;
+      before.swap(middle);
+    } else {
+      high = low + half;
+    }
+  }
+  return (low + high) / 2;
+}
+
 /// The snaps whose place decides, where the model has them.
 void ask(Check& check, const Grid& grid, const NodeEnergies& nodes,
-         const std::vector<SnapLink>& links, Converter* converter) {
+         const std::vector<SnapLink>& links, const MakeModel& make_model, int threads) {
   if (links.empty()) return;
-  if (!converter) {
+  if (!make_model) {
     check.not_proved = format(
         "{} of the snaps lead up or not, as the place between two points decides where the model "
-        "snaps; to find it, leave out --recompute none, or search with tears = true",
+        "snaps; to find it, leave out --recompute none",
         links.size());
     return;
   }
-  std::vector<OneWayLink> asked;
-  asked.reserve(links.size());
-  for (const SnapLink& link : links)
-    asked.push_back({link.from, static_cast<std::uint8_t>(link.q)});
-  try {
-    Progress progress;
-    const std::vector<TearByte> tears = find_tears(grid, asked, *converter, progress);
-    for (std::size_t i = 0; i < links.size(); ++i)
-      add_rise(check, grid, nodes, links[i], tear_fraction(tears[i]));
-  } catch (const ModelError& e) {
-    check.found.offend([&] { return std::string(e.what()); });
+  std::vector<double> places(links.size());
+  std::vector<std::string> errors(links.size());
+  std::vector<std::unique_ptr<Model>> models;
+  for (int t = 0; t < threads; ++t) models.push_back(make_model());
+  for_each_with_own(links.size(), models, [&](const std::unique_ptr<Model>& model, std::size_t i) {
+    const auto [r, q] = std::pair(links[i].from, links[i].q);
+    places[i] = snap_place(*model, grid.row(r), grid.box().position(grid.point(r)),
+                           grid.neighbourhood().shift(q));
+    if (std::isnan(places[i])) errors[i] = model->error();
+  });
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    if (errors[i].empty())
+      add_rise(check, grid, nodes, links[i], places[i]);
+    else
+      check.found.offend(location_of(grid, links[i].from, links[i].q), [&] {
+        return describe_link(grid, links[i].from, links[i].q) + ": " + errors[i];
+      });
   }
 }
 
 }  // namespace
 
-Check check_passive(const Grid& grid, const BranchMap& map, const NodeEnergies& nodes,
-                    Converter* converter) {
+Check check_passive(const Grid& grid, const BranchNodes& branches, const NodeEnergies& nodes,
+                    const MakeModel& make_model, int threads) {
   Check check = empty_check();
   for (const char* name : {"largest gain", "largest loss"})
     check.figures.push_back({name, 0, unit_of_rises(grid.spec()), ""});
@@ -170,15 +197,13 @@ Check check_passive(const Grid& grid, const BranchMap& map, const NodeEnergies& 
           continue;
         }
         if (!grid.is_one_way(r, q)) continue;
-        const SnapLink link = snap_link(grid, map.nodes, r, q, axis);
-        const int up = grid.has_tears() ? 0 : places_up(nodes, link);
-        if (up > 0 && up < kTearSteps)
+        const SnapLink link = snap_link(grid, branches, r, q, axis);
+        if (const int up = places_up(nodes, link); up > 0 && up < kPlaces)
           undecided.push_back(link);
         else
-          add_rise(check, grid, nodes, link,
-                   map.tear[r] / (double{map.tear[r]} - map.tear[link.end]));
+          add_rise(check, grid, nodes, link, 0.5);
       }
-  ask(check, grid, nodes, undecided, converter);
+  ask(check, grid, nodes, undecided, make_model, threads);
   return check;
 }
 

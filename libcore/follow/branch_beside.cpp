@@ -149,7 +149,7 @@ void BranchTraversal::enter_nearest(const std::array<double, 8>& weights,
   const Branch* found = nullptr;
   for (const Branch& branch : candidates_) {
     std::array<const double*, 8> rows;
-    for (int k = 0; k < 8; ++k) rows[k] = map_->nodes.row(branch.nodes[k]);
+    for (int k = 0; k < 8; ++k) rows[k] = branches_->row(branch.nodes[k]);
     const double far =
         find_missing(rows, weights, row, std::span(missing_).first(grid_.state_size()));
     if (far >= least) continue;

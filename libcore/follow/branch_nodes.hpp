@@ -4,7 +4,7 @@
 // the way: the branch of its record ends before the point to which the link leads. There it gets a
 // *ghost*: the row that it would have at that point if it did not end, extrapolated along the
 // branch. So a branch has a row in all corners of a cell in which it ends, and it can be
-// interpolated up to the place where the model snaps (tear_function.hpp says where that is).
+// interpolated up to the place where the model snaps (branch_traversal.hpp says where that is).
 //
 // One point can have ghosts of several branches. Two records beside it belong to the same one when
 // two-way links connect them, directly or by other records that end before this point.

@@ -41,8 +41,6 @@ double disagreement(const std::array<std::uint8_t, 8>& apart,
 
 }  // namespace
 
-BranchMap::BranchMap(const Grid& grid) : nodes(grid), tear(tear_function(grid, nodes)) {}
-
 /// Which corners two neighbouring cells have in common. Corner k of the old cell is corner k ^
 /// moved of the new one.
 struct BranchTraversal::Common {
@@ -52,10 +50,10 @@ struct BranchTraversal::Common {
   bool has(int corner) const { return ((corner ^ side) & moved) == 0; }
 };
 
-BranchTraversal::BranchTraversal(const Grid& grid, std::shared_ptr<const BranchMap> map,
+BranchTraversal::BranchTraversal(const Grid& grid, std::shared_ptr<const BranchNodes> branches,
                                  std::uint16_t most_parts)
     : Traversal(grid, most_parts),
-      map_(std::move(map)),
+      branches_(std::move(branches)),
       offset_(row_.size(), grid.box().spacing),
       missing_(row_.size()),
       expected_(row_.size()) {
@@ -108,7 +106,7 @@ bool BranchTraversal::take(int nearest, Level level, bool chosen) noexcept {
   Branch branch;
   if (level >= grid_.levels(p) || !derive(walk_.base(), grid_.first(p) + level, nearest, branch))
     return false;
-  if (chosen && has_ended(branch, corner_weights(part()))) return false;
+  if (chosen && branch.is_torn && has_ended(branch.nodes, corner_weights(part()))) return false;
   enter_branch(walk_.base(), branch);
   offset_.end();
   arrive();
@@ -125,18 +123,18 @@ bool BranchTraversal::derive(PointIndex base, RecordIndex anchor, int corner,
                              Branch& branch) const noexcept {
   branch.anchor = walk_.cells().distinct(corner);
   branch.is_torn = false;
-  branch.is_mixed = map_->nodes.is_mixed(anchor, branch.anchor);
+  branch.is_mixed = branches_->is_mixed(anchor, branch.anchor);
   for (int k = 0; k < 8; ++k) {
     const int q = kBetweenCorners[branch.anchor][walk_.cells().distinct(k)];
-    branch.nodes[k] = q < 0 ? anchor : map_->nodes.node(anchor, q, walk_.cells(), base, k);
+    branch.nodes[k] = q < 0 ? anchor : branches_->node(anchor, q, walk_.cells(), base, k);
     if (branch.nodes[k] == BranchNodes::kNoNode) return false;
-    branch.is_torn |= map_->nodes.is_ghost(branch.nodes[k]);
+    branch.is_torn |= branches_->is_ghost(branch.nodes[k]);
   }
   if (!branch.is_mixed) return true;
   std::array<Node, 8> corners = branch.nodes;
   for (int k = 0; k < 8; ++k)
     if (!walk_.cells().is_corner(k)) corners[k] = BranchNodes::kNoNode;
-  branch.apart = map_->nodes.apart(corners);
+  branch.apart = branches_->apart(corners);
   return true;
 }
 
@@ -148,10 +146,10 @@ void BranchTraversal::enter_branch(PointIndex base, const Branch& branch) noexce
   is_mixed_ = branch.is_mixed;
   apart_ = branch.apart;
   for (int k = 0; k < 8; ++k) {
-    rows_[k] = map_->nodes.row(nodes_[k]);
+    rows_[k] = branches_->row(nodes_[k]);
     __builtin_prefetch(rows_[k]);
     __builtin_prefetch(rows_[k] + row_.size() - 1);
-    if (map_->nodes.is_ghost(nodes_[k])) {
+    if (branches_->is_ghost(nodes_[k])) {
       records_[k] = Grid::kNoRecord;
       levels_[k] = kNoLevel;
     } else {
@@ -161,7 +159,6 @@ void BranchTraversal::enter_branch(PointIndex base, const Branch& branch) noexce
       __builtin_prefetch(links);
       __builtin_prefetch(links + kDirections - 1);
     }
-    if (is_torn_) tear_[k] = map_->tear[nodes_[k]];
   }
 }
 
@@ -179,7 +176,7 @@ bool BranchTraversal::cross(const CellWalk::Part& way) noexcept {
   // Around most records there is one branch: then any common corner will do, and nothing changes in
   // the others.
   const int beside = (anchor_ & ~common.moved) | (common.side & common.moved);
-  if (!is_torn_ && !is_mixed_ && map_->nodes.has_one_branch_around(nodes_[beside])) {
+  if (!is_torn_ && !is_mixed_ && branches_->has_one_branch_around(nodes_[beside])) {
     if (!cross_within_branch(way.base, beside, common)) return false;
     count_switch(way);
     return true;
@@ -253,8 +250,7 @@ int BranchTraversal::common_record(const Common& common, const Vec3& part) const
   double nearest = std::numeric_limits<double>::infinity();
   int from = -1;
   for (int k = 0; k < 8; ++k) {
-    if (!common.has(k) || map_->nodes.is_ghost(nodes_[k]) || distance2(part, k) >= nearest)
-      continue;
+    if (!common.has(k) || branches_->is_ghost(nodes_[k]) || distance2(part, k) >= nearest) continue;
     nearest = distance2(part, k);
     from = k;
   }
@@ -278,24 +274,18 @@ void BranchTraversal::keep_state(const std::array<const double*, 8>& before,
 bool BranchTraversal::decide_by_grid() noexcept {
   if (is_mixed_) change_anchor();
   int snaps = 0;
-  while (snaps < kMostSnaps && is_torn_ && tear(weights_) < 0 && snap(part_)) ++snaps;
+  while (snaps < kMostSnaps && is_torn_ && has_ended(nodes_, weights_) && snap(part_)) ++snaps;
   if (snaps > 0) offset_.end();
   return snaps > 0;
 }
 
-/// Whether the branch ends before the place with these weights.
-bool BranchTraversal::has_ended(const Branch& branch,
+/// Whether a branch with these corners ends before the place with these weights.
+bool BranchTraversal::has_ended(const std::array<Node, 8>& nodes,
                                 const std::array<double, 8>& weights) const noexcept {
-  double tear = 0;
-  for (int k = 0; branch.is_torn && k < 8; ++k) tear += weights[k] * map_->tear[branch.nodes[k]];
-  return tear < 0;
-}
-
-/// The tear function of the branch; negative where the branch has ended. The branch is torn.
-double BranchTraversal::tear(const std::array<double, 8>& weights) const noexcept {
-  double tear = 0;
-  for (int k = 0; k < 8; ++k) tear += weights[k] * tear_[k];
-  return tear;
+  double behind = 0;
+  for (int k = 0; k < 8; ++k)
+    if (branches_->is_ghost(nodes[k])) behind += weights[k];
+  return behind > 0.5;
 }
 
 /// In a mixed cell the records differ in what the other corners are. Of the records of a branch,
@@ -316,12 +306,11 @@ bool BranchTraversal::find_better(PointIndex base, const std::array<double, 8>& 
   double least = cost(branch) - kBetter;
   bool found = false;
   for (int k = 0; k < 8 && least > 0; ++k) {
-    if (k == present || !walk_.cells().is_corner(k) || map_->nodes.is_ghost(candidates[k]))
-      continue;
+    if (k == present || !walk_.cells().is_corner(k) || branches_->is_ghost(candidates[k])) continue;
     Branch other;
     if (!derive(base, candidates[k], k, other) || !(cost(other) < least)) continue;
     // Ghosts agree with every branch, so one that has ended there would seem the best.
-    if (has_ended(other, weights)) continue;
+    if (other.is_torn && has_ended(other.nodes, weights)) continue;
     least = cost(other);
     branch = other;
     found = true;
@@ -343,22 +332,21 @@ void BranchTraversal::change_anchor() noexcept {
   keep_state(before, weights_, rows_);
 }
 
-/// Goes to where the links lead at the tear that is nearest to the HIP. False when there is none.
+/// Goes to where the one-way link leads whose middle is nearest to the HIP. False when there is
+/// none.
 bool BranchTraversal::snap(const Vec3& part) noexcept {
   double nearest = std::numeric_limits<double>::infinity();
   int to = -1;
   RecordIndex anchor = Grid::kNoRecord;
   for (int k = 0; k < 8; ++k) {
-    if (map_->nodes.is_ghost(nodes_[k]) || !walk_.cells().is_corner(k)) continue;
+    if (branches_->is_ghost(nodes_[k]) || !walk_.cells().is_corner(k)) continue;
     for (int j = 0; j < 8; ++j) {
-      if (!map_->nodes.is_ghost(nodes_[j]) || !walk_.cells().is_corner(j)) continue;
+      if (!branches_->is_ghost(nodes_[j]) || !walk_.cells().is_corner(j)) continue;
       const int q = kBetweenCorners[k][j];
-      if (map_->nodes.node(nodes_[k], q, walk_.cells(), walk_.base(), j) != nodes_[j]) continue;
-      const double t = tear_fraction(grid_, nodes_[k], q);
+      if (branches_->node(nodes_[k], q, walk_.cells(), walk_.base(), j) != nodes_[j]) continue;
       double sum = 0;
       for (int a = 0; a < 3; ++a) {
-        const int at = k >> a & 1;
-        const double d = part[a] - (at + t * ((j >> a & 1) - at));
+        const double d = part[a] - 0.5 * ((k >> a & 1) + (j >> a & 1));
         sum += d * d;
       }
       if (sum >= nearest) continue;

@@ -3,9 +3,10 @@
 // The paper's rule (paper_traversal.hpp) gives each corner of a cell a level of its own. Where
 // branches end the corners then belong to several of them, and the state is a blend that the model
 // never takes. Here one record of the cell, the *anchor*, says which branch the hand is on, and the
-// other corners are that branch's (branch_nodes.hpp). Where the branch ends inside the cell, a
-// function of place says where (tear_function.hpp): when the hand comes there the state snaps, to
-// where the links lead.
+// other corners are that branch's (branch_nodes.hpp). A branch that ends inside the cell has ghosts
+// in the corners behind its end. It ends where these weigh more than the other corners in the
+// interpolation, which is in the middle of a one-way link. When the hand comes there the state
+// snaps, to where the links lead.
 //
 // In a *mixed* cell the records contradict each other: there the branches meet, finer than the
 // grid. Of the records that keep what the cell shares with the one before, that one is the anchor
@@ -34,24 +35,14 @@
 #include "libcore/follow/beside_answer.hpp"
 #include "libcore/follow/branch_nodes.hpp"
 #include "libcore/follow/fading_offset.hpp"
-#include "libcore/follow/tear_function.hpp"
 #include "libcore/follow/traversal.hpp"
 
 namespace hapgrid {
 
-/// Computed once for each grid, and shared by all its BranchTraversals.
-struct BranchMap {
-  /// @param grid outlives this.
-  explicit BranchMap(const Grid& grid);
-
-  BranchNodes nodes;
-  std::vector<float> tear;  ///< tear_function(), by node
-};
-
 class BranchTraversal final : public Traversal {
  public:
-  /// @param map of the same grid. @throw Error as CellWalk does
-  BranchTraversal(const Grid& grid, std::shared_ptr<const BranchMap> map,
+  /// @param branches of the same grid. @throw Error as CellWalk does
+  BranchTraversal(const Grid& grid, std::shared_ptr<const BranchNodes> branches,
                   std::uint16_t most_parts = CellWalk::kDefaultMaxParts);
   using Traversal::start;
   using Traversal::step;
@@ -60,7 +51,7 @@ class BranchTraversal final : public Traversal {
   void walk_beside(Beside* beside) override { beside_ = beside; }
   const BesideAnswer* followed() const override { return followed_; }
   bool follows_as_before() const override { return follows_as_before_; }
-  const BranchNodes* branch_nodes() const override { return &map_->nodes; }
+  const BranchNodes* branch_nodes() const override { return branches_.get(); }
 
  private:
   /// The corners that an anchor gives a cell.
@@ -102,15 +93,14 @@ class BranchTraversal final : public Traversal {
   void enter_nearest(const std::array<double, 8>& weights, std::span<const double> row,
                      double least) noexcept;
   void find_candidates() noexcept;
-  bool has_ended(const Branch& branch, const std::array<double, 8>& weights) const noexcept;
-  double tear(const std::array<double, 8>& weights) const noexcept;
+  bool has_ended(const std::array<Node, 8>& nodes,
+                 const std::array<double, 8>& weights) const noexcept;
   void keep_state(const std::array<const double*, 8>& before, const std::array<double, 8>& weights,
                   const std::array<const double*, 8>& after) noexcept;
 
-  std::shared_ptr<const BranchMap> map_;
+  std::shared_ptr<const BranchNodes> branches_;
   int anchor_ = 0;  // the corner whose record names the branch
   std::array<const double*, 8> rows_{};
-  std::array<double, 8> tear_{};
   Vec3 part_{0, 0, 0};               // of the cell, at position()
   std::array<double, 8> weights_{};  // there
   bool is_torn_ = false;             // a corner is a ghost

@@ -15,15 +15,13 @@ using RecordIndex = std::uint32_t;
 
 /// Records in columns, ascending by (point, level).
 /// Shapes, for R records: `rows` R x spec.row_size() row-major (a record's row, its state first, is
-/// contiguous), `links` R x 26 row-major, slot q is the destination level in direction q; `tears`
-/// R x 26 like the links, or empty where the grid has no tear fractions (tear.hpp).
+/// contiguous), `links` R x 26 row-major, slot q is the destination level in direction q.
 struct RecordColumns {
   std::vector<PointIndex> point;
   std::vector<Level> level;
   std::vector<std::uint32_t> generation;
   std::vector<double> rows;
   std::vector<Level> links;
-  std::vector<TearByte> tears = {};
 
   std::size_t size() const { return point.size(); }
 };
@@ -85,13 +83,6 @@ class Grid {
     return to != kNoRecord && leads_back(r, q, to) ? to : kNoRecord;
   }
 
-  bool has_tears() const { return has_tears_; }
-  /// The tear bytes of a record's links. Each is kNoTear or below kTearSteps; which links have one
-  /// is *not* trusted, like the links.
-  std::span<const TearByte, kDirections> tears(RecordIndex r) const {
-    return table_[links_of_[r]].tear;
-  }
-
  private:
   friend class GridBuilder;
   /// Without records.
@@ -105,7 +96,6 @@ class Grid {
   Neighbourhood neighbourhood_;
   std::uint32_t generation_;
   std::uint32_t row_size_;
-  bool has_tears_ = false;
   std::vector<PointIndex> point_;
   std::vector<std::uint32_t> generation_of_;
   std::vector<double> rows_;             // records x row_size

@@ -28,17 +28,14 @@ void require_order(const GridSpec& spec, std::span<const PointIndex> point,
 }
 
 /// The columns of `count` records must have their shapes.
-void require_lengths(const RecordRun& run, std::size_t count, std::size_t row_size,
-                     bool has_tears) {
+void require_lengths(const RecordRun& run, std::size_t count, std::size_t row_size) {
   if (run.point.size() != count || run.level.size() != count || run.generation.size() != count ||
-      run.rows.size() != count * row_size || run.links.size() != count * kDirections ||
-      run.tears.size() != (has_tears ? count * kDirections : 0))
+      run.rows.size() != count * row_size || run.links.size() != count * kDirections)
     throw FormatError("grid: columns of different lengths");
 }
 
 RecordRun run_of(const RecordColumns& columns) {
-  return {columns.point, columns.level, columns.generation,
-          columns.rows,  columns.links, columns.tears};
+  return {columns.point, columns.level, columns.generation, columns.rows, columns.links};
 }
 
 }  // namespace
@@ -55,11 +52,9 @@ void require_possible(const Box& box, std::uint64_t records) {
                points, records, kMostlyEmptyPoints, kPointsARecord));
 }
 
-GridBuilder::GridBuilder(GridSpec spec, std::uint32_t generation, bool has_tears,
-                         std::uint64_t records)
+GridBuilder::GridBuilder(GridSpec spec, std::uint32_t generation, std::uint64_t records)
     : grid_(std::move(spec), generation) {
   require_possible(grid_.box(), records);
-  grid_.has_tears_ = has_tears;
   grid_.point_.resize(records);
   grid_.generation_of_.resize(records);
   grid_.rows_.resize(records * grid_.row_size_);
@@ -70,44 +65,39 @@ GridBuilder::GridBuilder(GridSpec spec, std::uint32_t generation, bool has_tears
 GridBuilder::GridBuilder(GridSpec spec, std::uint32_t generation, RecordColumns columns)
     : grid_(std::move(spec), generation) {
   require_possible(grid_.box(), columns.size());
-  grid_.has_tears_ = !columns.tears.empty();
-  require_lengths(run_of(columns), columns.size(), grid_.row_size_, grid_.has_tears_);
+  require_lengths(run_of(columns), columns.size(), grid_.row_size_);
   grid_.links_of_.resize(columns.size());
   grid_.point_ = std::move(columns.point);
   grid_.generation_of_ = std::move(columns.generation);
   grid_.rows_ = std::move(columns.rows);
   level_ = std::move(columns.level);
-  add_links(0, level_.size(), columns.links.data(), columns.tears.data());
+  add_links(0, level_.size(), columns.links.data());
 }
 
 void GridBuilder::add(std::uint64_t first, const RecordRun& run) {
   const std::size_t count = run.point.size();
   if (first > level_.size() || count > level_.size() - first)
     throw FormatError("grid: more records than were announced");
-  require_lengths(run, count, grid_.row_size_, grid_.has_tears_);
+  require_lengths(run, count, grid_.row_size_);
   std::copy(run.point.begin(), run.point.end(), grid_.point_.data() + first);
   std::copy(run.level.begin(), run.level.end(), level_.data() + first);
   std::copy(run.generation.begin(), run.generation.end(), grid_.generation_of_.data() + first);
   std::copy(run.rows.begin(), run.rows.end(), grid_.rows_.data() + first * grid_.row_size_);
-  add_links(first, count, run.links.data(), run.tears.data());
+  add_links(first, count, run.links.data());
 }
 
-void GridBuilder::add_links(std::uint64_t first, std::size_t count, const Level* links,
-                            const TearByte* all_tears) {
+void GridBuilder::add_links(std::uint64_t first, std::size_t count, const Level* links) {
   DirectionMask inside_before = 0;
   for (std::size_t r = 0; r < count; ++r) {
     const Level* const levels = links + r * kDirections;
-    const TearByte* const tears = grid_.has_tears_ ? all_tears + r * kDirections : nullptr;
     const DirectionMask inside = grid_.neighbourhood_.inside(grid_.point_[first + r]);
-    const bool is_as_before =
-        r > 0 && inside == inside_before &&
-        std::equal(levels, levels + kDirections, levels - kDirections) &&
-        (!tears || std::equal(tears, tears + kDirections, tears - kDirections));
+    const bool is_as_before = r > 0 && inside == inside_before &&
+                              std::equal(levels, levels + kDirections, levels - kDirections);
     std::uint32_t& number = grid_.links_of_[first + r];
     if (is_as_before) {
       number = grid_.links_of_[first + r - 1];
     } else {
-      const Links made = make_links(levels, tears, inside);
+      const Links made = make_links(levels, inside);
       const Lock lock(mutex_);
       number = grid_.table_.add(made);
     }

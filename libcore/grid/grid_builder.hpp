@@ -15,7 +15,6 @@ struct RecordRun {
   std::span<const std::uint32_t> generation;
   std::span<const double> rows;
   std::span<const Level> links;
-  std::span<const TearByte> tears;  ///< or empty
 };
 
 /// The one rule for how many records a box has, before memory is taken for its points: a header can
@@ -28,7 +27,7 @@ void require_possible(const Box& box, std::uint64_t records);
 class GridBuilder {
  public:
   /// @param generation the round that wrote the grid. @param records how many there will be.
-  GridBuilder(GridSpec spec, std::uint32_t generation, bool has_tears, std::uint64_t records);
+  GridBuilder(GridSpec spec, std::uint32_t generation, std::uint64_t records);
   /// Takes all records, without another copy of their rows. @throw FormatError as add()
   GridBuilder(GridSpec spec, std::uint32_t generation, RecordColumns columns);
 
@@ -41,7 +40,7 @@ class GridBuilder {
 
  private:
   /// Sets the links of `count` records from record `first` on, whose points are set.
-  void add_links(std::uint64_t first, std::size_t count, const Level* links, const TearByte* tears);
+  void add_links(std::uint64_t first, std::size_t count, const Level* links);
 
   Grid grid_;
   std::vector<Level> level_;  // by record, to be checked

@@ -3,11 +3,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <span>
-#include <string>
 
 #include "libcore/base/digest.hpp"
-#include "libcore/base/error.hpp"
-#include "libcore/base/format.hpp"
 
 namespace hapgrid {
 
@@ -19,17 +16,9 @@ std::uint64_t hash(const Links& links) {
 }
 }  // namespace
 
-Links make_links(const Level* levels, const TearByte* tears, DirectionMask inside) {
+Links make_links(const Level* levels, DirectionMask inside) {
   Links links;
   std::copy_n(levels, kDirections, links.level.begin());
-  if (tears)
-    std::copy_n(tears, kDirections, links.tear.begin());
-  else
-    links.tear.fill(kNoTear);
-  for (const TearByte tear : links.tear)
-    if (!is_tear_byte(tear))
-      throw FormatError(
-          format("grid: a tear fraction of {}, at most {} is possible", tear, kTearSteps - 1));
   for (int q = 0; q < kDirections; ++q)
     if (links.level[q] < kMaxLevels) links.usable |= DirectionMask{1} << q;
   links.usable &= inside;

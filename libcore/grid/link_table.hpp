@@ -7,23 +7,20 @@
 #include <vector>
 
 #include "libcore/grid/direction.hpp"
-#include "libcore/grid/tear.hpp"
 
 namespace hapgrid {
 
-/// The links of a record. A cache line.
-struct alignas(64) Links {
-  std::array<Level, kDirections> level;    ///< the destination level in each direction
-  std::array<TearByte, kDirections> tear;  ///< kNoTear in all directions of a grid without any
+/// The links of a record. Half a cache line.
+struct alignas(32) Links {
+  std::array<Level, kDirections> level;  ///< the destination level in each direction
   /// Directions whose link may lead to a record.
   DirectionMask usable = 0;
 
   friend bool operator==(const Links&, const Links&) = default;
 };
 
-/// @param tears 26, or null. @param inside the directions that stay in the box
-/// @throw FormatError when a tear byte is none
-Links make_links(const Level* levels, const TearByte* tears, DirectionMask inside);
+/// @param levels 26 @param inside the directions that stay in the box
+Links make_links(const Level* levels, DirectionMask inside);
 
 /// Distinct Links, numbered in the order in which they came.
 class LinkTable {

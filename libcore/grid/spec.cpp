@@ -48,7 +48,6 @@ std::string difference(const GridSpec& a, const GridSpec& b) {
         if (p.key == other.key && !(p == other)) return "model parameter " + p.key;
     return "the set of model parameters";
   }
-  if (a.tears != b.tears) return "whether it has tear fractions";
   return difference(static_cast<const ModelDescription&>(a),
                     static_cast<const ModelDescription&>(b));
 }

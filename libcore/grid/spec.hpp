@@ -92,7 +92,6 @@ struct GridSpec : ModelDescription {
   std::string model;                  ///< the name of the plug-in or process
   std::vector<Parameter> parameters;  ///< ascending by key
   std::uint32_t max_levels = 64;      ///< the most levels that a point may have, 1 .. kMaxLevels
-  bool tears = false;                 ///< whether the finished grid has tear fractions (tear.hpp)
 
   friend bool operator==(const GridSpec&, const GridSpec&) = default;
 };

@@ -55,11 +55,10 @@ class Reader : private TomlFile {
 
     if (root().contains("search")) {
       const toml::table& search = table(root(), "search");
-      only_keys(search, "search.", {"max_levels", "tears", "store"});
+      only_keys(search, "search.", {"max_levels", "store"});
       if (const toml::node* limit = search.get("max_levels"))
         d.max_levels =
             static_cast<std::uint32_t>(whole(*limit, "search.max_levels", 1, kMaxLevels));
-      if (const toml::node* tears = search.get("tears")) d.tears = boolean(*tears, "search.tears");
       if (search.contains("store")) d.store = store(array(*search.get("store"), "search.store"));
     }
     if (root().contains("seeds")) seeds(table(root(), "seeds"), d.seeds);

@@ -36,7 +36,6 @@ struct Definition {
   std::vector<Parameter> parameters;  ///< ascending by key
   Box box;
   std::uint32_t max_levels = 64;
-  bool tears = true;                  ///< whether the finished grid gets tear fractions
   Stored store;                       ///< beside what the model stores by itself
   std::vector<SeedDefinition> seeds;  ///< empty: the corners of the box
 };
@@ -47,7 +46,7 @@ struct Definition {
 ///   [model.files] names of text files, whose contents become parameters of the same keys: a grid
 ///   carries everything that its model was made from;
 ///   [grid] origin (3 numbers), spacing, counts (3 whole numbers);
-///   [search] max_levels (default 64), tears (default true), store (of "energy", "force", "shape");
+///   [search] max_levels (default 64), store (of "energy", "force", "shape");
 ///   [seeds] points (positions), states (optional: for each point a list of states).
 /// @param name the file's name, for messages.
 /// @param overrides "key=value" each, the key dotted ("grid.spacing"), the value as TOML writes it;

@@ -6,8 +6,6 @@
 #include "libcore/base/format.hpp"
 #include "libcore/search/expand.hpp"
 #include "libcore/search/levels.hpp"
-#include "libcore/search/merge.hpp"
-#include "libcore/search/tears.hpp"
 
 namespace hapgrid {
 
@@ -100,24 +98,11 @@ void tell_what_is_kept(const PartialGrid* partial, Work&& work) {
 void complete(const Section& grid, Converter& converter, Progress& progress,
               const std::function<SectionWriter(const SectionHeader&)>& open,
               PartialGrid* partial) {
-  if (grid.header.has_tears) {
-    SectionWriter out = open(grid.header);
-    return copy_finished(grid, out);
-  }
   SectionHeader header = grid.header;
   Levels levels(grid, converter.model());
   tell_what_is_kept(partial, [&] { run_rounds(header, levels, converter, progress, partial); });
-  if (!header.lacks_tears()) {
-    SectionWriter out = open(header);
-    return levels.write(out);
-  }
-  const Grid finished(header.spec, header.generation, levels.take());
-  const std::vector<OneWayLink> links = one_way_links(finished);
-  std::vector<TearByte> tears;
-  tell_what_is_kept(partial, [&] { tears = find_tears(finished, links, converter, progress); });
-  header.has_tears = true;
   SectionWriter out = open(header);
-  write_torn_grid(finished, links, tears, out);
+  levels.write(out);
 }
 
 }  // namespace hapgrid

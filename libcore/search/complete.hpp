@@ -1,5 +1,5 @@
 // Algorithm 1 in one process: rounds of expand and merge in memory until the frontier is
-// empty; then the tear fractions, where the grid wants them.
+// empty.
 #pragma once
 
 #include <functional>

@@ -164,26 +164,4 @@ void Levels::write(SectionWriter& out) const {
   out.finish();
 }
 
-RecordColumns Levels::take() {
-  std::vector<RecordIndex> to(records());  // where each record belongs
-  RecordIndex place = 0;
-  for_each([&](RecordIndex r) { to[r] = place++; });
-  first_ = {};
-  next_ = {};
-  const auto exchange = [](auto& column, std::size_t each, std::size_t a, std::size_t b) {
-    std::swap_ranges(&column[a * each], &column[a * each] + each, &column[b * each]);
-  };
-  for (RecordIndex r = 0; r < to.size(); ++r)
-    while (to[r] != r) {
-      const RecordIndex other = to[r];
-      exchange(columns_.point, 1, r, other);
-      exchange(columns_.level, 1, r, other);
-      exchange(columns_.generation, 1, r, other);
-      exchange(columns_.rows, row_size_, r, other);
-      exchange(columns_.links, kDirections, r, other);
-      std::swap(to[r], to[other]);
-    }
-  return std::exchange(columns_, {});
-}
-
 }  // namespace hapgrid

@@ -54,9 +54,6 @@ class Levels {
   void require_settled(std::uint32_t generation) const;
   /// Writes all records, and finishes the section. @throw std::system_error
   void write(SectionWriter& out) const;
-  /// All records, ascending by (point, level), without another copy of them. This object is empty
-  /// then.
-  RecordColumns take();
 
  private:
   static constexpr RecordIndex kNone = Grid::kNoRecord;

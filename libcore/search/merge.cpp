@@ -11,7 +11,6 @@
 #include "libcore/grid/describe.hpp"
 #include "libcore/search/levels.hpp"
 #include "libcore/search/requests.hpp"
-#include "libcore/search/tears.hpp"
 
 namespace hapgrid {
 
@@ -23,37 +22,26 @@ MergeInput merge_input(std::vector<Section> sections) {
       input.requests.push_back(std::move(section));
       continue;
     }
-    if (section.header.content == Content::kTears) {
-      input.tears.push_back(std::move(section));
-      continue;
-    }
     if (any)
       throw FormatError(
           format("{}: a second grid, beside {}", section.file->name(), input.grid.file->name()));
     any = true;
     input.grid = std::move(section);
   }
-  if (!any) {
-    const Section& first = (input.requests.empty() ? input.tears : input.requests).front();
-    throw FormatError(format("{}: {}, but no grid to merge them into", first.file->name(),
-                             to_string(first.header.content)));
-  }
-  for (const auto* shards : {&input.requests, &input.tears})
-    for (const Section& section : *shards)
-      if (section.header.generation != input.grid.header.generation)
-        throw FormatError(format("{}: {} of generation {}, the grid's frontier is {}",
-                                 section.file->name(), to_string(section.header.content),
-                                 section.header.generation, input.grid.header.generation));
-  if (!input.tears.empty() && input.grid.next_round() != Content::kTears)
-    throw FormatError(format("{}: tear fractions, which the grid does not lack",
-                             input.tears.front().file->name()));
+  if (!any)
+    throw FormatError(format("{}: requests, but no grid to merge them into",
+                             input.requests.front().file->name()));
+  for (const Section& section : input.requests)
+    if (section.header.generation != input.grid.header.generation)
+      throw FormatError(format("{}: requests of generation {}, the grid's frontier is {}",
+                               section.file->name(), section.header.generation,
+                               input.grid.header.generation));
   return input;
 }
 
 SectionHeader MergeInput::merged_header() const {
   SectionHeader header = grid.header;
   if (grid.frontier() > 0) ++header.generation;
-  header.has_tears |= grid.next_round() == Content::kTears;
   return header;
 }
 
@@ -84,14 +72,11 @@ void copy(const Section& grid, int fd, const std::string& name) {
 void merge(const MergeInput& input, const Model& model, int fd, const std::string& name,
            Progress& progress) {
   const SectionHeader& header = input.grid.header;
-  const auto writer = [&] { return SectionWriter(fd, name, input.merged_header()); };
   RequestReader requests(input.requests);
   SourceRequests source;
   if (input.grid.frontier() == 0) {
     if (requests.next(source)) fail_unasked(header.spec, source);
-    if (!header.lacks_tears()) return copy(input.grid, fd, name);
-    SectionWriter out = writer();
-    return merge_tears(input.grid, input.tears, out, progress);
+    return copy(input.grid, fd, name);
   }
   Levels levels(input.grid, model);
   while (requests.next(source)) {
@@ -103,7 +88,7 @@ void merge(const MergeInput& input, const Model& model, int fd, const std::strin
     progress.conversions += static_cast<std::uint64_t>(std::popcount(source.directions));
   }
   levels.require_settled(header.generation);
-  SectionWriter out = writer();
+  SectionWriter out(fd, name, input.merged_header());
   levels.write(out);
 }
 

@@ -15,22 +15,19 @@ namespace hapgrid {
 struct MergeInput {
   Section grid;
   std::vector<Section> requests;
-  std::vector<Section> tears;
 
-  /// The header of the merged grid. A grid whose frontier is empty keeps its generation, and has
-  /// its tear fractions where it wants them.
+  /// The header of the merged grid. A grid whose frontier is empty keeps its generation.
   SectionHeader merged_header() const;
 };
 
-/// Sorts sections into the grid, the requests and the tear fractions.
+/// Sorts sections into the grid and the requests.
 /// @throw FormatError unless there is one grid, and all the others are of its generation.
 MergeInput merge_input(std::vector<Section> sections);
 
 /// Merges a whole round: each of the conversions of the grid's frontier must be among the requests;
-/// when it has no frontier, but lacks tear fractions, merge_tears() (tears.hpp) takes them; else it
-/// is copied. Memory: the whole grid, and a chunk of each section of requests. Writes to `fd`,
-/// which the caller keeps open, and nothing before all requests are settled; `name` is for
-/// messages.
+/// when it has no frontier, it is copied. Memory: the whole grid, and a chunk of each section of
+/// requests. Writes to `fd`, which the caller keeps open, and nothing before all requests are
+/// settled; `name` is for messages.
 /// @throw FormatError when requests are missing (it counts them), contradict each other, or were
 /// not asked for; Error (level limit), ModelError, std::system_error.
 void merge(const MergeInput& input, const Model& model, int fd, const std::string& name,

@@ -87,7 +87,7 @@ Section PartialGrid::start(const Section& grid) {
   if (limit > spec.max_levels)
     throw FormatError(format("{}: was found with a level limit of {}, which is now {}{}", name_,
                              limit, spec.max_levels, remove));
-  if (file.header.has_tears || !grew_from(file, grid))
+  if (!grew_from(file, grid))
     throw FormatError(
         format("{}: did not grow from {}, which has other seeds or is of a later generation{}",
                name_, grid.file->name(), remove));

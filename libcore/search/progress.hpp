@@ -17,9 +17,6 @@ struct Progress {
   std::atomic<std::uint64_t> frontier_records{0};
   std::atomic<std::uint64_t> records{0};  ///< records of the grid so far
   std::atomic<std::uint32_t> generation{0};
-  std::atomic<std::uint64_t> links{0};             ///< whose tear fractions are asked for
-  std::atomic<std::uint64_t> links_done{0};        ///< of these, done
-  std::atomic<std::uint64_t> tear_conversions{0};  ///< made for them; not among `conversions`
   /// Not 0 when the work must end soon. Null when nothing stops it. A signal's handler may set it.
   const std::atomic<int>* stop = nullptr;
 

@@ -92,7 +92,6 @@ GridSpec spec_of(const Definition& definition, const Model& model) {
   spec.model = definition.model_name();
   spec.parameters = definition.parameters;
   spec.max_levels = definition.max_levels;
-  spec.tears = definition.tears;
   if (!spec.stored.shape) spec.spheres.clear();
   return spec;
 }

@@ -5,17 +5,7 @@
 
 namespace hapgrid {
 
-const char* to_string(Content content) {
-  switch (content) {
-    case Content::kGrid:
-      return "grid";
-    case Content::kRequests:
-      return "requests";
-    case Content::kTears:
-      break;
-  }
-  return "tear fractions";
-}
+const char* to_string(Content content) { return content == Content::kGrid ? "grid" : "requests"; }
 
 Digest section_digest(const Digest& header, std::span<const ChunkInfo> chunks) {
   std::vector<Digest> digests{header};

@@ -9,23 +9,18 @@
 
 #include "libcore/base/digest.hpp"
 #include "libcore/grid/spec.hpp"
-#include "libcore/grid/tear.hpp"
 
 namespace hapgrid {
 
-enum class Content { kGrid, kRequests, kTears };
+enum class Content { kGrid, kRequests };
 
-/// "grid", "requests" or "tear fractions".
+/// "grid" or "requests".
 const char* to_string(Content content);
 
 struct SectionHeader {
   Content content = Content::kGrid;
   std::uint32_t generation = 0;  ///< the youngest generation; of requests: their source records'
   GridSpec spec;
-  bool has_tears = false;  ///< of a grid that wants tear fractions: whether they are stored
-
-  /// Whether they are to be found when the grid has no frontier left.
-  bool lacks_tears() const { return spec.tears && !has_tears; }
 };
 
 /// What the footer says of one chunk.
@@ -34,7 +29,7 @@ struct ChunkInfo {
   std::uint32_t size = 0;    ///< of its zstd frame
   std::uint32_t rows = 0;
   std::uint32_t frontier = 0;     ///< records of the header's generation
-  std::uint32_t conversions = 0;  ///< that its frontier asks for; of requests or tears: how many
+  std::uint32_t conversions = 0;  ///< that its frontier asks for; of requests: how many
   PointIndex first_point = 0;
   PointIndex last_point = 0;
   Digest digest;  ///< of the message
@@ -66,8 +61,7 @@ struct Chunk {
 /// R records.
 struct RecordRows : Chunk {
   std::span<const std::uint32_t> generation;
-  std::span<const Level> links;     ///< R x 26
-  std::span<const TearByte> tears;  ///< R x 26, or empty where the header says that there are none
+  std::span<const Level> links;  ///< R x 26
 };
 
 /// What N requests of R source records reached. The numbers are N x width: for each record one row
@@ -75,12 +69,6 @@ struct RecordRows : Chunk {
 struct RequestRows : Chunk {
   std::span<const DirectionMask> directions;
   std::vector<std::uint32_t> first;  ///< R: each record's first request
-};
-
-/// The tear fractions of N links of R source records. The rows have no numbers.
-struct TearRows : Chunk {
-  std::span<const DirectionMask> directions;
-  std::span<const TearByte> tears;  ///< N, of a record's `directions`, ascending
 };
 
 /// The rows of a section ascend by this key: (point, level).

@@ -71,11 +71,9 @@ LoadedGrid load_grid(const std::string& name) { return load_grid(open_grid(name)
 
 LoadedGrid load_grid(const Section& section) {
   require_plausible(section);
-  GridBuilder grid(section.header.spec, section.header.generation, section.header.has_tears,
-                   section.records());
+  GridBuilder grid(section.header.spec, section.header.generation, section.records());
   for_each_chunk(section, [&](std::uint64_t first, const RecordRows& rows) {
-    grid.add(first,
-             {rows.point, rows.level, rows.generation, rows.numbers, rows.links, rows.tears});
+    grid.add(first, {rows.point, rows.level, rows.generation, rows.numbers, rows.links});
   });
   return {grid.finish(), section.end - section.begin, digest_text(section.footer.digest)};
 }

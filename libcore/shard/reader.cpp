@@ -68,7 +68,6 @@ void read_columns(schema::Message::Reader message, const SectionHeader& header, 
   rows.level = column(chunk.getLevel(), count, "level");
   rows.generation = column<std::uint32_t>(chunk.getGeneration(), count, "generation");
   rows.links = column(chunk.getLinks(), count * kDirections, "links");
-  rows.tears = column(chunk.getTears(), header.has_tears ? count * kDirections : 0, "tears");
   read_numbers(chunk, count, header.spec, rows);
 }
 
@@ -82,16 +81,6 @@ void read_columns(schema::Message::Reader message, const SectionHeader& header, 
   read_numbers(chunk, count_directions(rows.directions), header.spec, rows);
 }
 
-void read_columns(schema::Message::Reader message, const SectionHeader&, TearRows& rows) {
-  if (!message.isTears()) throw FormatError("damaged: a chunk of tear fractions was expected");
-  const schema::TearChunk::Reader chunk = message.getTears();
-  const std::size_t count = chunk.getPoint().size();
-  rows.point = column<PointIndex>(chunk.getPoint(), count, "point");
-  rows.level = column(chunk.getLevel(), count, "level");
-  rows.directions = column<DirectionMask>(chunk.getDirections(), count, "directions");
-  rows.tears = column(chunk.getTears(), count_directions(rows.directions), "tears");
-}
-
 }  // namespace
 
 SectionReader::SectionReader(const Section& section)
@@ -99,7 +88,6 @@ SectionReader::SectionReader(const Section& section)
 
 void SectionReader::read(std::size_t chunk, RecordRows& rows) { decode(chunk, rows); }
 void SectionReader::read(std::size_t chunk, RequestRows& rows) { decode(chunk, rows); }
-void SectionReader::read(std::size_t chunk, TearRows& rows) { decode(chunk, rows); }
 
 template <class Rows>
 void SectionReader::decode(std::size_t chunk, Rows& rows) {
@@ -142,13 +130,7 @@ void SectionReader::check_order(const Chunk& rows) const {
 
 std::pair<std::uint32_t, std::uint32_t> SectionReader::check(const RecordRows& rows) const {
   std::uint32_t frontier = 0, conversions = 0;
-  // Where nothing is wrong these two loops decide nothing, and the compiler makes them fast.
-  std::uint8_t is_wrong = 0;
-  for (const TearByte tear : rows.tears)
-    is_wrong |= static_cast<std::uint8_t>((tear >= kTearSteps) & (tear != kNoTear));
-  for (std::size_t i = 0; is_wrong != 0 && i < rows.tears.size(); ++i)
-    if (const TearByte tear = rows.tears[i]; !is_tear_byte(tear))
-      throw FormatError(format("damaged: a tear fraction of {}", tear));
+  // Where nothing is wrong this loop decides nothing, and the compiler makes it fast.
   std::uint32_t youngest = 0;
   for (const std::uint32_t generation : rows.generation) youngest = std::max(youngest, generation);
   if (youngest < section_->header.generation) return {0, 0};
@@ -160,17 +142,6 @@ std::pair<std::uint32_t, std::uint32_t> SectionReader::check(const RecordRows& r
     conversions += static_cast<std::uint32_t>(std::popcount(neighbourhood_.inside(rows.point[r])));
   }
   return {frontier, conversions};
-}
-
-std::pair<std::uint32_t, std::uint32_t> SectionReader::check(const TearRows& rows) const {
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    if (rows.directions[r] == 0) throw FormatError("damaged: a record without tear fractions");
-    if (rows.directions[r] & ~neighbourhood_.inside(rows.point[r]))
-      throw FormatError("damaged: a tear fraction of a link that leaves the box");
-  }
-  for (const TearByte tear : rows.tears)
-    if (tear >= kTearSteps) throw FormatError(format("damaged: a tear fraction of {}", tear));
-  return {0, static_cast<std::uint32_t>(rows.tears.size())};
 }
 
 std::pair<std::uint32_t, std::uint32_t> SectionReader::check(RequestRows& rows) const {

@@ -22,7 +22,6 @@ class SectionReader {
   /// the caller to check, since a point can be in both. @throw FormatError, std::system_error
   void read(std::size_t chunk, RecordRows& rows);
   void read(std::size_t chunk, RequestRows& rows);
-  void read(std::size_t chunk, TearRows& rows);
 
  private:
   template <class Rows>
@@ -30,7 +29,6 @@ class SectionReader {
   /// Of the rows: how many are in the frontier, and the conversions.
   std::pair<std::uint32_t, std::uint32_t> check(const RecordRows& rows) const;
   std::pair<std::uint32_t, std::uint32_t> check(RequestRows& rows) const;
-  std::pair<std::uint32_t, std::uint32_t> check(const TearRows& rows) const;
   void check_order(const Chunk& rows) const;
 
   const Section* section_;

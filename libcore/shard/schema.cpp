@@ -73,30 +73,13 @@ Content decode_content(schema::Header::Content content) {
       return Content::kGrid;
     case schema::Header::Content::REQUESTS:
       return Content::kRequests;
-    case schema::Header::Content::TEARS:
-      return Content::kTears;
   }
   throw FormatError("content of a kind that this version does not know");
 }
 
 schema::Header::Content encode_content(Content content) {
-  switch (content) {
-    case Content::kGrid:
-      return schema::Header::Content::GRID;
-    case Content::kRequests:
-      return schema::Header::Content::REQUESTS;
-    case Content::kTears:
-      break;
-  }
-  return schema::Header::Content::TEARS;
-}
-
-void decode_tears(schema::Header::Tears tears, SectionHeader& header) {
-  if (tears > schema::Header::Tears::STORED ||
-      (tears == schema::Header::Tears::STORED && header.content != Content::kGrid))
-    throw FormatError("tear fractions of a kind that this version does not know");
-  header.spec.tears = tears != schema::Header::Tears::NONE;
-  header.has_tears = tears == schema::Header::Tears::STORED;
+  return content == Content::kGrid ? schema::Header::Content::GRID
+                                   : schema::Header::Content::REQUESTS;
 }
 
 schema::Equality::Norm encode_norm(Equality::Norm norm) {
@@ -193,9 +176,6 @@ void encode_header(const SectionHeader& header, schema::Header::Builder out) {
   out.setLengthUnit(spec.length_unit);
   out.setEnergyUnit(spec.energy_unit);
   out.setHipRadius(spec.hip_radius);
-  out.setTears(header.has_tears ? schema::Header::Tears::STORED
-               : spec.tears     ? schema::Header::Tears::WANTED
-                                : schema::Header::Tears::NONE);
   out.setForceScale(spec.force_scale);
   if (!spec.version.empty()) out.setModelVersion(spec.version);
 }
@@ -223,7 +203,6 @@ SectionHeader decode_header(schema::Header::Reader in) {
   if (spec.stored.shape != (spheres.size() > 0) || spheres.size() > kMaxSpheres)
     throw FormatError(format("a shape of {} spheres", spheres.size()));
   for (const auto sphere : spheres) spec.spheres.push_back(decode_sphere(sphere));
-  decode_tears(in.getTears(), header);
   return header;
 }
 

@@ -53,8 +53,6 @@ class BackwardReader {
     if (section_digest(header, section.footer.chunks) != section.footer.digest)
       fail(footer, "damaged: the digest in the footer does not fit the content");
     check_order(footer, section);
-    if (section.header.has_tears && section.frontier() > 0)
-      fail(footer, "damaged: tear fractions in a grid that has a frontier");
     return section;
   }
 
@@ -144,15 +142,6 @@ std::uint64_t Section::frontier() const {
 }
 std::uint64_t Section::conversions() const {
   return sum(*this, [](const ChunkInfo& chunk) { return chunk.conversions; });
-}
-
-std::optional<Content> Section::next_round() const {
-  if (frontier() > 0) return Content::kRequests;
-  if (header.lacks_tears()) return Content::kTears;
-  return std::nullopt;
-}
-std::uint64_t Section::todo() const {
-  return next_round() == Content::kTears ? records() : frontier();
 }
 
 std::vector<Section> open_sections(const std::vector<std::string>& names) {

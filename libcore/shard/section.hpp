@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,16 +20,9 @@ struct Section {
   SectionHeader header;
   SectionFooter footer;
 
-  std::uint64_t records() const;   ///< of requests: their source records
-  std::uint64_t frontier() const;  ///< records
-  std::uint64_t conversions()
-      const;  ///< that the frontier asks for; of requests or tears: how many
-
-  /// What the next round of a grid is made of: requests while there is a frontier, then tear
-  /// fractions where they are wanted and not stored; nothing when the grid is complete.
-  std::optional<Content> next_round() const;
-  /// Records that this round is for.
-  std::uint64_t todo() const;
+  std::uint64_t records() const;      ///< of requests: their source records
+  std::uint64_t frontier() const;     ///< records
+  std::uint64_t conversions() const;  ///< that the frontier asks for; of requests: how many
 };
 
 /// The sections of all inputs, by input and place. Only headers and footers are decoded.

@@ -135,14 +135,10 @@ SectionWriter::SectionWriter(int fd, const std::string& name, const SectionHeade
   const std::size_t rows = row_limit_;
   point_ = std::make_unique_for_overwrite<PointIndex[]>(rows);
   level_ = std::make_unique_for_overwrite<Level[]>(rows);
-  if (header.content == Content::kTears)
-    tears_ = std::make_unique_for_overwrite<TearByte[]>(rows);
-  else
-    numbers_ = std::make_unique_for_overwrite<double[]>(rows * row_size_);
+  numbers_ = std::make_unique_for_overwrite<double[]>(rows * row_size_);
   if (header.content == Content::kGrid) {
     generation_ = std::make_unique_for_overwrite<std::uint32_t[]>(rows);
     links_ = std::make_unique_for_overwrite<Level[]>(rows * kDirections);
-    if (header.has_tears) tears_ = std::make_unique_for_overwrite<TearByte[]>(rows * kDirections);
   } else {
     directions_ = std::make_unique_for_overwrite<DirectionMask[]>(rows);
   }
@@ -156,7 +152,7 @@ SectionWriter::~SectionWriter() = default;
 SectionWriter::SectionWriter(SectionWriter&&) noexcept = default;
 
 void SectionWriter::record(PointIndex point, Level level, std::uint32_t generation,
-                           const double* row_numbers, const Level* links, const TearByte* tears) {
+                           const double* row_numbers, const Level* links) {
   enter_range(point);
   if (rows_ == row_limit_) flush();
   point_[rows_] = point;
@@ -164,7 +160,6 @@ void SectionWriter::record(PointIndex point, Level level, std::uint32_t generati
   generation_[rows_] = generation;
   std::copy_n(row_numbers, row_size_, &numbers_[rows_ * row_size_]);
   std::memcpy(&links_[rows_ * kDirections], links, kDirections);
-  if (tears_) std::memcpy(&tears_[rows_ * kDirections], tears, kDirections);
   count_frontier(point, generation);
   ++rows_;
 }
@@ -183,7 +178,6 @@ void SectionWriter::records(const RecordRows& rows, std::size_t begin, std::size
     copy(rows.generation, generation_.get(), 1, stop - begin);
     copy(rows.numbers, numbers_.get(), row_size_, stop - begin);
     copy(rows.links, links_.get(), kDirections, stop - begin);
-    if (tears_) copy(rows.tears, tears_.get(), kDirections, stop - begin);
     for (std::size_t r = begin; r < stop; ++r) count_frontier(rows.point[r], rows.generation[r]);
     rows_ += stop - begin;
     begin = stop;
@@ -202,29 +196,17 @@ void SectionWriter::count_frontier(PointIndex point, std::uint32_t generation) {
   conversions_ += static_cast<std::uint32_t>(std::popcount(neighbourhood_.inside(point)));
 }
 
-/// A row for a source record, in a chunk that has room for all its directions.
-void SectionWriter::add_source(PointIndex point, Level level, DirectionMask directions) {
-  if (conversions_ + static_cast<std::uint32_t>(std::popcount(directions)) > row_limit_) flush();
+void SectionWriter::requests(PointIndex point, Level level, DirectionMask directions,
+                             const double* rows) {
+  const auto count = static_cast<std::uint32_t>(std::popcount(directions));
+  if (conversions_ + count > row_limit_) flush();
   point_[rows_] = point;
   level_[rows_] = level;
   directions_[rows_] = directions;
   ++rows_;
-}
-
-void SectionWriter::requests(PointIndex point, Level level, DirectionMask directions,
-                             const double* rows) {
-  add_source(point, level, directions);
   double* to = &numbers_[std::size_t{conversions_} * row_size_];
   for (DirectionMask left = directions; left; left &= left - 1, to += row_size_)
     std::copy_n(rows + static_cast<std::size_t>(std::countr_zero(left)) * row_size_, row_size_, to);
-  conversions_ += static_cast<std::uint32_t>(std::popcount(directions));
-}
-
-void SectionWriter::tears(PointIndex point, Level level, DirectionMask directions,
-                          const TearByte* tears) {
-  add_source(point, level, directions);
-  const auto count = static_cast<std::uint32_t>(std::popcount(directions));
-  std::copy_n(tears, count, &tears_[conversions_]);
   conversions_ += count;
 }
 
@@ -245,16 +227,11 @@ void SectionWriter::flush() {
       auto chunk = fill_keys(message.initRequests());
       copy_column(chunk.initDirections(rows), directions_);
       copy_rows(chunk, numbers, numbers_.get(), row_size_, header_.spec);
-    } else if (header_.content == Content::kTears) {
-      auto chunk = fill_keys(message.initTears());
-      copy_column(chunk.initDirections(rows), directions_);
-      chunk.setTears(bytes_of(tears_, conversions_));
     } else {
       auto chunk = fill_keys(message.initRecords());
       copy_column(chunk.initGeneration(rows), generation_);
       copy_rows(chunk, numbers, numbers_.get(), row_size_, header_.spec);
       chunk.setLinks(bytes_of(links_, rows * kDirections));
-      if (tears_) chunk.setTears(bytes_of(tears_, rows * kDirections));
     }
   });
   ChunkInfo info;

@@ -25,20 +25,15 @@ class SectionWriter {
   ~SectionWriter();
   SectionWriter(SectionWriter&&) noexcept;
 
-  /// A record of a grid. `row_numbers`: row_size() of them, the state first; `links` 26 levels;
-  /// `tears` 26 bytes, read where the header says that they are stored.
+  /// A record of a grid. `row_numbers`: row_size() of them, the state first; `links` 26 levels.
   /// @throw std::system_error
   void record(PointIndex point, Level level, std::uint32_t generation, const double* row_numbers,
-              const Level* links, const TearByte* tears = nullptr);
+              const Level* links);
   /// A grid's records [begin, end) of `rows`. @throw std::system_error
   void records(const RecordRows& rows, std::size_t begin, std::size_t end);
   /// What the conversions of a source record reached. `rows`: 26 x row_size() numbers, of which
   /// those of the `directions` count, one at least. @throw std::system_error
   void requests(PointIndex point, Level level, DirectionMask directions, const double* rows);
-
-  /// The tear fractions of a source record's links, one for each of the `directions`, ascending.
-  /// @throw std::system_error
-  void tears(PointIndex point, Level level, DirectionMask directions, const TearByte* tears);
 
   /// Writes what is left, the footer and the locator. @throw std::system_error
   void finish();
@@ -48,7 +43,6 @@ class SectionWriter {
 
   /// A chunk of a grid ends where its range of points ends.
   void enter_range(PointIndex point);
-  void add_source(PointIndex point, Level level, DirectionMask directions);
   void count_frontier(PointIndex point, std::uint32_t generation);
   void flush();
 
@@ -65,8 +59,7 @@ class SectionWriter {
   std::unique_ptr<double[]> numbers_;            // row_limit_ x row_size_
   std::unique_ptr<std::uint32_t[]> generation_;  // of a grid, as the links
   std::unique_ptr<Level[]> links_;
-  std::unique_ptr<TearByte[]> tears_;            // of a grid that stores them, or of links
-  std::unique_ptr<DirectionMask[]> directions_;  // of requests and tear fractions
+  std::unique_ptr<DirectionMask[]> directions_;  // of requests
   std::size_t rows_ = 0;
   std::uint32_t frontier_ = 0;     // of the rows
   std::uint32_t conversions_ = 0;  // that these ask for; of requests: how many there are

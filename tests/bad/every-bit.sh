@@ -16,10 +16,6 @@ make ball --set 'grid.counts=[5,2,2]'
 make stored --set 'grid.counts=[5,1,1]' --set model.parameters.stored=true
 merge seeds.ball requests.ball -o middle.ball
 for k in 1 2; do expand --part "$k/2" middle.ball; done >parts.ball
-cp seeds.ball lacking
-while (($(stats --get frontier lacking))); do expand lacking | merge lacking - -o lacking; done
-expand lacking -o tears.ball
-(($(stats --get one_way_links grid.ball))) || fail "no tear fractions"
 # Three states of 24 kB, all zeros: two chunks.
 cat >toy.toml <<'END'
 grid = {origin = [0, 0, 0], spacing = 1, counts = [3, 1, 1]}

@@ -111,13 +111,10 @@ void add(Content& content, const ChunkInfo& chunk) {
 }
 
 void add(Content& content, const RecordRows& rows) {
-  content.add_all(rows.point, rows.level, rows.generation, rows.numbers, rows.links, rows.tears);
+  content.add_all(rows.point, rows.level, rows.generation, rows.numbers, rows.links);
 }
 void add(Content& content, const RequestRows& rows) {
   content.add_all(rows.point, rows.level, rows.directions, rows.numbers);
-}
-void add(Content& content, const TearRows& rows) {
-  content.add_all(rows.point, rows.level, rows.directions, rows.tears);
 }
 
 template <class Rows>
@@ -137,12 +134,9 @@ std::string read_shard(const std::string& name) {
     content.add_all(section.header.content, section.header.generation, section.begin, section.end,
                     section.footer.digest.low, section.footer.digest.high);
     add(content, section.header.spec);
-    content.add_all(section.header.spec.tears, section.header.has_tears);
     for (const ChunkInfo& chunk : section.footer.chunks) add(content, chunk);
     if (section.header.content == hapgrid::Content::kRequests)
       add_rows<RequestRows>(content, section);
-    else if (section.header.content == hapgrid::Content::kTears)
-      add_rows<TearRows>(content, section);
     else
       add_rows<RecordRows>(content, section);
   }

@@ -21,7 +21,7 @@ rows = {
     "links": [255 if shard.neighbour(box, p, q) is None else 0
               for p in points for _ in range(LEVELS) for q in range(26)],
 }
-messages[0]["header"].update(generation=1, tears="none")
+messages[0]["header"].update(generation=1)
 messages[1:-1] = [{"records": rows}]
 open("one-way", "wb").write(shard.seal(messages))
 END

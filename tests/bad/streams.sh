@@ -10,10 +10,6 @@ merge seeds requests -o next
 expand next -o next.requests
 merge next next.requests -o grid
 merge --small grid -o small
-# A grid that lacks its tear fractions, and these.
-seed "$ball" --set 'grid.counts=[7,2,2]' --set 'grid.spacing=0.2' --set 'grid.origin=[-0.6,-0.15,-0.1]' -o lacking
-while (($(stats --get frontier lacking))); do expand lacking | merge lacking - -o lacking; done
-expand lacking -o tears
 # Two components.
 cat >toy.toml <<END
 grid = {origin = [0, 0, 0], spacing = 1, counts = [3, 2, 1]}
@@ -23,7 +19,7 @@ END
 seed toy.toml --set search.max_levels=8 -o toy.seeds
 expand toy.seeds -o toy.requests
 # Several chunks.
-seed toy.toml --set model.parameters.state_size=3000 --set search.max_levels=25 --set search.tears=false --set 'grid.counts=[5,5,5]' \
+seed toy.toml --set model.parameters.state_size=3000 --set search.max_levels=25 --set 'grid.counts=[5,5,5]' \
   --set 'seeds={points = [[0, 0, 0]]}' | expand --complete -o toy.grid
 
 which=${STREAMS:-some}

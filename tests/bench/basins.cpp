@@ -93,7 +93,7 @@ int run(const Grid& grid, int argc, char** argv) {
   const std::unique_ptr<Model> model = make();
   Pushes pushes(grid, *model, argc > 4 ? std::strtoull(argv[4], nullptr, 10) : 1);
   ModelTraversal truth(grid, make());
-  BranchTraversal play(grid, std::make_shared<const BranchMap>(grid));
+  BranchTraversal play(grid, std::make_shared<const BranchNodes>(grid));
   std::map<std::pair<int, int>, int> ends;
   int nowhere = 0, same = 0, leave = 0;
   for (int i = 0; i < count; ++i) {

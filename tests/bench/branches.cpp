@@ -86,14 +86,14 @@ struct Figures {
 /// What all rules have of a grid.
 struct Played {
   Played(const Grid& grid, const MakeModel& make)
-      : map(std::make_shared<const BranchMap>(grid)),
+      : map(std::make_shared<const BranchNodes>(grid)),
         records(record_fields(grid, make, 1)),
-        energies(std::make_shared<const NodeEnergies>(grid, &map->nodes, records)),
+        energies(std::make_shared<const NodeEnergies>(grid, map.get(), records)),
         interpolate(!records.energy.empty() && agreement(grid, records).is_good() ? hermite_force
                                                                                   : mean_force),
         fields(grid.spec(), make, true) {}
 
-  std::shared_ptr<const BranchMap> map;
+  std::shared_ptr<const BranchNodes> map;
   RecordFields records;
   std::shared_ptr<const NodeEnergies> energies;
   NodeForce::Interpolate interpolate;
@@ -161,7 +161,7 @@ double rms(const Fields& fields, std::span<const double> a, std::span<const doub
 /// Of the branches of the cell in which `truth` is, the one nearest to its state.
 Felt oracle(const Grid& grid, const Played& played, const Traversal& truth) {
   const Cells cells(grid);
-  const BranchNodes& nodes = played.map->nodes;
+  const BranchNodes& nodes = *played.map;
   const PointIndex base = grid.box().index(truth.cell());
   const std::array<double, 8> weights = corner_weights(truth.part());
   Felt best{std::vector<double>(grid.spec().row_size()), {}, false};

@@ -65,7 +65,7 @@ double time(Traversal& traversal, const std::vector<Vec3>& path, const Force* fo
 }
 
 void measure(const Grid& grid, const std::vector<Vec3>& path, const MakeModel& make,
-             const std::shared_ptr<const BranchMap>& map, std::vector<Force>& forces) {
+             const std::shared_ptr<const BranchNodes>& map, std::vector<Force>& forces) {
   const Fields fields(grid.spec(), make, false);
   ModelTraversal truth(grid, make());
   BranchTraversal branch(grid, map);
@@ -74,8 +74,8 @@ void measure(const Grid& grid, const std::vector<Vec3>& path, const MakeModel& m
     go(branch, path, i);
     const Vec3 model = fields.force(truth.position(), truth.row());
     const auto& nodes = branch.nodes();
-    const bool torn = std::any_of(nodes.begin(), nodes.end(),
-                                  [&](Node node) { return map->nodes.is_ghost(node); });
+    const bool torn =
+        std::any_of(nodes.begin(), nodes.end(), [&](Node node) { return map->is_ghost(node); });
     for (Force& force : forces) {
       const double error = distance(force.at(branch), model);
       if (distance(model, {0, 0, 0}) > kContact) force.errors[torn].push_back(error);
@@ -96,9 +96,9 @@ int run(const Grid& grid, int argc, char** argv) {
   const MakeModel make = model_of(grid, argv[2]);
   const std::size_t ticks = argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 200'000;
   const std::uint64_t seed = argc > 4 ? std::strtoull(argv[4], nullptr, 10) : 1;
-  const auto map = std::make_shared<const BranchMap>(grid);
+  const auto map = std::make_shared<const BranchNodes>(grid);
   const RecordFields at_records = record_fields(grid, make, 2);
-  const auto energies = std::make_shared<const NodeEnergies>(grid, &map->nodes, at_records);
+  const auto energies = std::make_shared<const NodeEnergies>(grid, map.get(), at_records);
   const Fields fields(grid.spec(), make, false);
   std::vector<Force> forces;
   forces.push_back({"energy", NodeForce(energies, grid.box(), hermite_force)});
@@ -109,7 +109,7 @@ int run(const Grid& grid, int argc, char** argv) {
   const Agreement a = agreement(grid, at_records);
   std::printf(
       "# records %u, ghosts %u; errors of predicted forces, N: %.4g by energy, %.4g by forces\n",
-      grid.records(), map->nodes.ghosts(), a.by_energy, a.by_forces);
+      grid.records(), map->ghosts(), a.by_energy, a.by_forces);
   for (Force& force : forces)
     for (int torn = 0; torn < 2; ++torn)
       std::printf("%s\t%s\t%zu\t%.5f\t%.4f\t%.1f\n", force.name, torn ? "torn" : "whole",

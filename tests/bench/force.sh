@@ -6,9 +6,8 @@
 #   tests/bench/force.sh [BUILD] [TICKS] [SESSIONS] [POINTS] [MODELS]
 #           (default: build 200000 1000 '20 30 60' 'hung-ball alanine-dipeptide butane leu-enkephalin')
 #
-# The grids are computed first: with 60 points some 20 minutes of CPU time, most of it leu-enkephalin's. Grids of more
-# than 40 points have no tear fractions, which matter in torn cells alone. The pictures force-error.png and
-# closed-loop.png are left where it was started.
+# The grids are computed first: with 60 points some 20 minutes of CPU time, most of it leu-enkephalin's. The pictures
+# force-error.png and closed-loop.png are left where it was started.
 ticks=${2:-200000} sessions=${3:-1000} points=${4:-20 30 60} into=$PWD
 models=${5:-hung-ball alanine-dipeptide butane leu-enkephalin}
 source "$(dirname "$0")/lib.sh"
@@ -28,9 +27,7 @@ for model in $models; do
   definition=$molecules/$model/$model.toml
   [[ $model != hung-ball ]] || definition=$ball
   for n in $points; do
-    options=()
-    ((n <= 40)) || options=(--set search.tears=false)
-    compute "$model" "$definition" "$n" "${options[@]}"
+    compute "$model" "$definition" "$n"
     conversions=$(stats --get conversions "$model.grid")
     "$HAPGRID_BUILD/bench/bench_force" "$model.grid" "$HAPGRID_BUILD/models" "$ticks" >measured
     for force in energy records state; do

@@ -13,7 +13,6 @@
 #include "libcore/follow/branch_traversal.hpp"
 #include "libcore/follow/node_force.hpp"
 #include "libcore/follow/record_fields.hpp"
-#include "libcore/follow/tear_function.hpp"
 #include "libcore/grid/vec3.hpp"
 #include "libcore/loop/loop.hpp"
 #include "tests/bench/bench.hpp"
@@ -64,9 +63,9 @@ class Player {
   Player(const Grid& grid, const MakeModel& make)
       : grid_(grid),
         make_(make),
-        map_(std::make_shared<const BranchMap>(grid)),
-        energies_(std::make_shared<const NodeEnergies>(grid, &map_->nodes,
-                                                       record_fields(grid, make, 2))) {}
+        map_(std::make_shared<const BranchNodes>(grid)),
+        energies_(
+            std::make_shared<const NodeEnergies>(grid, map_.get(), record_fields(grid, make, 2))) {}
 
   /// @param late by how many ticks answers of the model beside the grid are; nothing: without it
   /// @param sink (const Tick&, const SimulatedDevice&, const SafetyCore&), in each tick
@@ -100,7 +99,7 @@ class Player {
  private:
   const Grid& grid_;
   MakeModel make_;
-  std::shared_ptr<const BranchMap> map_;
+  std::shared_ptr<const BranchNodes> map_;
   std::shared_ptr<const NodeEnergies> energies_;
 };
 

@@ -76,7 +76,7 @@ void compare(std::uint32_t side, int ticks_a_cell, int turns) {
   const Grid one = testing::random_grid(box, kStateSize, 1, 1);
   const auto path = smooth_path(spacing / ticks_a_cell, kSteps);
   PaperTraversal paper(two);
-  BranchTraversal branch(one, std::make_shared<const BranchMap>(one));
+  BranchTraversal branch(one, std::make_shared<const BranchNodes>(one));
   const auto follow_paper = follower(paper), follow_branch = follower(branch);
   double least_paper = 1e300, least_branch = 1e300;
   for (int turn = 0; turn < turns; ++turn) {

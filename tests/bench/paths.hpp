@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "libcore/base/error.hpp"
-#include "libcore/follow/tear_function.hpp"
 #include "libcore/grid/vec3.hpp"
 #include "tests/bench/bench.hpp"
 
@@ -181,12 +180,11 @@ class Paths {
       go(path, at, to);
       at = to;
     }
-    const double t = tear_fraction(grid_, tear.from, tear.q);
     const Vec3 from = at;
     for (int leg = 0; leg < 40; ++leg) {
       Vec3 to;
       for (int a = 0; a < 3; ++a) {
-        to[a] = from[a] + t * grid_.neighbourhood().shift(tear.q)[a] +
+        to[a] = from[a] + 0.5 * grid_.neighbourhood().shift(tear.q)[a] +
                 box_.spacing * uniform(random, -2, 2);
         to[a] =
             std::clamp(to[a], box_.origin[a], box_.origin[a] + box_.spacing * (box_.counts[a] - 1));

@@ -24,7 +24,7 @@ cpu() { { time "$@" 2>&3; } 3>&2 2>>cpu; }
 in_memory() { cpu expand --complete seeds -o complete; }
 rounds_by() { # COMMAND: writes `next` from `grid`
   cp seeds grid
-  while [ "$(stats --get todo grid)" -gt 0 ]; do
+  while [ "$(stats --get frontier grid)" -gt 0 ]; do
     "$1"
     mv next grid
   done

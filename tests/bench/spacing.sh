@@ -1,43 +1,45 @@
 #!/usr/bin/env bash
-# What a grid's spacing and its tear fractions cost in the search, and what they are worth on paths that touch the
-# molecule, for the grid alone and with the model beside it (branches.cpp): a table with a row for each grid. What
-# stands before a slash is without tear fractions, and what stands behind it is with them.
+# What a grid's spacing costs in the search, and what it is worth on paths that touch the molecule, for the grid alone
+# and with the model beside it (branches.cpp): a table with a row for each grid.
 #
 #   tests/bench/spacing.sh [BUILD] [MOLECULE SPACING...]        (default: build, and the table of examples/guide/feel.md)
 #
 # Ethanol, glycol and 2-butanol get their definitions from `hapgrid molecule`, and SPACING is in Å. The others have
-# theirs in examples/molecule, and SPACING is the number of points along the longest side of its box. CPU seconds are
-# those of `expand`, user time of all its threads: 1,050 for the whole table.
+# theirs in examples/molecule, and SPACING is the number of points along the longest side of its box. All grids of a
+# molecule are measured on the same paths, 20 ticks for the spacing of the last one. CPU seconds are those of `expand`,
+# user time of all its threads: 260 for the whole table.
 wanted=("${@:2}")
 source "$(dirname "$0")/lib.sh"
 export TIMEFORMAT=%U
 declare -A smiles=([ethanol]=CCO [glycol]=OCCO [2-butanol]='CCC(C)O')
 
-row() { # WHAT DEFINITION OPTION_OF_SEED...
-  local tears cost=()
-  for tears in false true; do
-    seed "$2" "${@:3}" --set search.tears=$tears >first
-    { time expand --complete -j 2 -o all.grid first; } 2>seconds
-    cost+=("$(tail -n 1 seconds | xargs printf %.0f)")
-    "$HAPGRID_BUILD/bench/bench_branches" all.grid "$HAPGRID_BUILD/models" touch 0.3 5 1 20 5 2000 >tears-$tears
-  done
-  awk -F '\t' -v what="|$1|${cost[0]} / ${cost[1]}|" '
-    NR == FNR { right[$2] = $4; off[$2] = $7; next }
-    $2 != "paper" && $2 != "oracle" { what = what sprintf("%.1f / %.1f %%|%.2f / %.2f|", right[$2], $4, off[$2], $7) }
-    END { print what sprintf("%.1f %%|", right["oracle"]) }' tears-false tears-true
+# search NAME DEFINITION OPTION_OF_SEED...: a grid, and its CPU seconds.
+search() {
+  seed "${@:2}" >first
+  { time expand --complete -j 2 -o "$1.grid" first; } 2>seconds
+  tail -n 1 seconds | xargs printf %.0f >"$1.seconds"
 }
 
 rows() { # MOLECULE SPACING...
-  local spacing definition options
+  local spacing definition options name unit=points
   for spacing in "${@:2}"; do
     if [[ -n ${smiles[$1]-} ]]; then
+      unit=Å
       hapgrid molecule --smiles "${smiles[$1]}" --spacing "$spacing" --until definition -j 2 -q -o "$1" >/dev/null
-      row "$1, $spacing Å" "$1/$1.toml"
+      search "$1, $spacing Å" "$1/$1.toml"
     else
       definition=$HAPGRID_SOURCE/examples/molecule/$1/$1.toml
       mapfile -t options < <(scaled "$definition" "$spacing")
-      row "$1, $spacing points" "$definition" "${options[@]}"
+      search "$1, $spacing points" "$definition" "${options[@]}"
     fi
+  done
+  for spacing in "${@:2}"; do
+    name="$1, $spacing $unit"
+    "$HAPGRID_BUILD/bench/bench_branches" "$name.grid" "$HAPGRID_BUILD/models" touch 0.3 5 1 20 5 2000 \
+      "$1, ${*: -1} $unit.grid" | awk -F '\t' -v what="|$name|$(<"$name.seconds")|" '
+        $2 == "oracle" { oracle = sprintf("%.1f %%|", $4) }
+        $2 != "paper" && $2 != "oracle" { what = what sprintf("%.1f %%|%.2f|", $4, $7) }
+        END { print what oracle }'
   done
 }
 

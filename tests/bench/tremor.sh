@@ -12,7 +12,7 @@ molecules=$HAPGRID_SOURCE/examples/molecule
 compute ball "$ball" 40
 
 while read -r molecule points; do
-  compute "$molecule" "$molecules/$molecule/$molecule.toml" "$points" --set search.tears=false
+  compute "$molecule" "$molecules/$molecule/$molecule.toml" "$points"
 done <<<"alanine-dipeptide 20
 butane 30
 dichloroethane 20

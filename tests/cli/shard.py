@@ -131,7 +131,7 @@ def chunk_info(header, message, content, stored):
     point = rows["point"]
     generations = rows.get("generation", [])
     young = [int(p or 0) for p, g in zip(point, generations) if g == header["generation"]]
-    if kind in ("requests", "tears"):
+    if kind == "requests":
         asked = sum((directions or 0).bit_count() for directions in rows["directions"])
     else:
         asked = sum(neighbours(header.get("box"), p) for p in young)

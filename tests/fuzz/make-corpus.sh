@@ -14,7 +14,7 @@ put() {
 }
 
 # Shards: seeds, requests, a grid on its way and finished, small, with and without what is stored; two
-# sections in one file; the tear fractions of a grid that lacks them.
+# sections in one file.
 small=(--set grid.spacing=0.25 --set 'grid.counts=[6,3,2]' --set 'grid.origin=[-0.7,-0.2,-0.1]')
 seed "$ball" "${small[@]}" >seeds
 expand seeds >requests
@@ -23,10 +23,7 @@ expand --complete seeds >grid
 merge --small grid -o small
 for k in 1 2; do expand --part "$k/2" next; done >both
 seed "$ball" "${small[@]}" --set model.parameters.stored=true | expand --complete >stored
-cp next lacking
-while (($(stats --get frontier lacking))); do expand lacking | merge lacking - -o lacking; done
-expand lacking >tears
-for shard in seeds requests next both grid small stored tears; do
+for shard in seeds requests next both grid small stored; do
   put shard "$shard" <"$shard"
 done
 # Compressed bytes are as good as random ones, and the first says which kind of grid is made of them.
@@ -66,7 +63,7 @@ expand --cost cost seeds >requests
 expand --complete --cost cost seeds >grid
 merge --cost cost seeds requests >next
 sed 's/"host":"[^"]*"/"host":"node1"/' cost | put texts cost-three
-printf '{"cpu_seconds": 0, "conversions": 18446744073709551615, "tear_conversions": 1}\n{"cpu_seconds": -1}' | put texts cost-refused
+printf '{"cpu_seconds": 0, "conversions": 18446744073709551615}\n{"cpu_seconds": -1}' | put texts cost-refused
 cat <<'TOML' | put texts simulation-random
 mass = 0.15
 damping = 1

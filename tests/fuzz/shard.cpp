@@ -50,7 +50,6 @@ void check_grid(const Grid& grid) {
   check_links(grid);
   check_finite(grid);
   check_distinct(grid, model);
-  if (grid.has_tears()) check_fractions(grid);
   check_reachable(grid, distances);
   check_generations(grid, distances);
   check_continuous(grid, BranchNodes(grid));
@@ -62,13 +61,10 @@ void read_shard(std::span<const std::byte> bytes) {
     MemoryFile memory(bytes);
     for (const Section& section : open_sections({memory.name()})) {
       small = small && section.header.spec.box.points() <= 1 << 16;
-      if (section.header.content == Content::kRequests) {
+      if (section.header.content == Content::kRequests)
         read_rows<RequestRows>(section);
-      } else if (section.header.content == Content::kTears) {
-        read_rows<TearRows>(section);
-      } else {
+      else
         read_rows<RecordRows>(section);
-      }
     }
   });
   if (!small) return;

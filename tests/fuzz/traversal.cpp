@@ -4,7 +4,7 @@
 // not call fine is played as well, if play takes it: then only the safety core's promises hold.
 //
 // Made of the input: the box's counts, the levels of each point, and for each record a state, an
-// energy, a force, links and tear fractions. The first byte says whether the levels are branches
+// energy, a force and links. The first byte says whether the levels are branches
 // with an energy each, of which some snap to others, or noise.
 #include <array>
 #include <cmath>
@@ -116,19 +116,10 @@ Case make_case(Input& input) {
         columns.links.push_back(static_cast<Level>(to));
       }
     }
-  const auto spec = [&](bool tears) {
-    GridSpec of;
-    of.box = box;
-    of.state_size = 1;
-    of.tears = tears;
-    return of;
-  };
-  const Grid untorn(spec(false), 1, columns);
-  for (RecordIndex r = 0; r < untorn.records(); ++r)
-    for (int q = 0; q < kDirections; ++q)
-      columns.tears.push_back(
-          untorn.is_one_way(r, q) ? static_cast<TearByte>(input.below(kTearSteps)) : kNoTear);
-  made.grid = std::make_unique<Grid>(spec(true), 1, std::move(columns));
+  GridSpec spec;
+  spec.box = box;
+  spec.state_size = 1;
+  made.grid = std::make_unique<Grid>(spec, 1, std::move(columns));
   return made;
 }
 
@@ -143,8 +134,8 @@ constexpr double kMostMoved = (3 * 14 + 70 * 2 * 1.7321) * kStep;
 
 void play(const Case& made, bool is_fine, Input& input) {
   const Grid& grid = *made.grid;
-  const auto map = std::make_shared<const BranchMap>(grid);
-  const auto nodes = std::make_shared<const NodeEnergies>(grid, &map->nodes, made.fields);
+  const auto map = std::make_shared<const BranchNodes>(grid);
+  const auto nodes = std::make_shared<const NodeEnergies>(grid, map.get(), made.fields);
   BranchTraversal traversal(grid, map);
   NodeForce force(nodes, grid.box(), hermite_force);
   SafetyLimits limits;
@@ -187,11 +178,11 @@ void play(const Case& made, bool is_fine, Input& input) {
 bool is_fine_grid(const Case& made) {
   const Grid& grid = *made.grid;
   const tiny::TestModel model(grid.spec(), nullptr);
-  const BranchMap map(grid);
-  const NodeEnergies nodes(grid, &map.nodes, made.fields);
+  const BranchNodes map(grid);
+  const NodeEnergies nodes(grid, &map, made.fields);
   return is_fine({check_coverage(grid), check_links(grid), check_finite(grid),
-                  check_distinct(grid, model), check_fractions(grid),
-                  check_continuous(grid, map.nodes), check_passive(grid, map, nodes)});
+                  check_distinct(grid, model), check_continuous(grid, map),
+                  check_passive(grid, map, nodes)});
 }
 
 }  // namespace

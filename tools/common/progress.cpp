@@ -111,7 +111,6 @@ void append_cost(const std::string& file, const RunCost& cost) {
                                  {"part", cost.part},
                                  {"parts", cost.parts},
                                  {"conversions", cost.conversions},
-                                 {"tear_conversions", cost.tear_conversions},
                                  {"wall_seconds", seconds_since(kProcessStart)},
                                  {"cpu_seconds", cpu_seconds()},
                                  {"host", host.data()}};

@@ -43,8 +43,7 @@ std::string short_number(double value);
 struct RunCost {
   std::string tool;
   std::uint32_t generation = 0;
-  std::uint64_t conversions = 0;       ///< of the search
-  std::uint64_t tear_conversions = 0;  ///< of the round of tear fractions
+  std::uint64_t conversions = 0;
   std::uint64_t part = 1;
   std::uint64_t parts = 1;
   std::string failed;  ///< "levels" or "model" where the model ended the work; or empty

@@ -43,7 +43,7 @@ std::function<std::unique_ptr<Traversal>()> traversals(TraversalRule rule, const
     case TraversalRule::kPaper:
       return [&grid] { return std::make_unique<PaperTraversal>(grid); };
     case TraversalRule::kBranch:
-      return [&grid, map = std::make_shared<const BranchMap>(grid)] {
+      return [&grid, map = std::make_shared<const BranchNodes>(grid)] {
         return std::make_unique<BranchTraversal>(grid, map);
       };
     case TraversalRule::kModel:

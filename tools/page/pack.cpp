@@ -116,8 +116,6 @@ void append_columns(std::string& out, const Grid& grid, const RecordFields& fiel
   });
   for (std::size_t q = 0; q < kDirections; ++q)
     append_column<std::uint8_t>(out, records, [&](std::size_t r) { return grid.links(at(r))[q]; });
-  for (std::size_t q = 0; grid.has_tears() && q < kDirections; ++q)
-    append_column<std::uint8_t>(out, records, [&](std::size_t r) { return grid.tears(at(r))[q]; });
   append_column<std::uint32_t>(out, records, [&](std::size_t r) {
     return head.by_energy != 0 ? bits_of((fields.energy[r] - lowest) / head.spacing) : 0;
   });
@@ -149,7 +147,6 @@ std::string packed_bytes(const Grid& grid, const RecordFields& fields, std::opti
   head.records = grid.records();
   head.spheres = static_cast<std::uint32_t>(shapes.spheres);
   head.torsions = static_cast<std::uint32_t>(scene.torsions.size());
-  head.has_tears = grid.has_tears();
   head.by_energy = lowest.has_value();
   std::string out;
   append(out, head);

@@ -30,8 +30,7 @@ struct PackedHead {
   std::uint32_t records;
   std::uint32_t spheres;
   std::uint32_t torsions;
-  std::uint32_t has_tears;
-  std::uint32_t by_energy;  ///< the force is the gradient of the energy; else the records' mean
+  std::uint64_t by_energy;  ///< the force is the gradient of the energy; else the records' mean
 };
 struct PackedSphere {
   float radius;
@@ -39,8 +38,8 @@ struct PackedSphere {
   std::uint32_t moves;
 };
 // Then the four spheres of each torsion (4 bytes each), and the columns: by point the number of its
-// levels (1 byte); by record the destination of each of the 26 directions (1 each), its tear bytes
-// (1 each), the energy above the lowest in newtons times the spacing (float), the force along x, y
+// levels (1 byte); by record the destination of each of the 26 directions (1 each),
+// the energy above the lowest in newtons times the spacing (float), the force along x, y
 // and z (float), and x y z of each sphere that moves (2).
 
 struct UnpackedGrid {

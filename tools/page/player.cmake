@@ -23,7 +23,7 @@ if(NOT HAPGRID_WASM_LINKS)
 endif()
 set(objects)
 foreach(source libcore/base/digest libcore/device/coupled_hip libcore/follow/branch_nodes libcore/follow/branch_traversal
-    libcore/follow/cell_walk libcore/follow/node_energies libcore/follow/node_force libcore/follow/tear_function
+    libcore/follow/cell_walk libcore/follow/node_energies libcore/follow/node_force
     libcore/follow/traversal libcore/grid/box libcore/grid/equality libcore/grid/grid libcore/grid/grid_builder
     libcore/grid/link_table libcore/loop/energy_tank libcore/loop/mapping libcore/loop/safety libcore/scene/bonds
     libcore/scene/drawing libcore/scene/torsion tools/page/alone tools/page/player tools/page/unpack)

@@ -28,8 +28,8 @@ namespace {
 
 constexpr std::uint32_t kMostTicks = 128;  // of a call of play()
 
-std::shared_ptr<NodeEnergies> energies_of(const UnpackedGrid& unpacked, const BranchMap& map) {
-  return std::make_shared<NodeEnergies>(unpacked.grid, &map.nodes, unpacked.fields);
+std::shared_ptr<NodeEnergies> energies_of(const UnpackedGrid& unpacked, const BranchNodes& map) {
+  return std::make_shared<NodeEnergies>(unpacked.grid, &map, unpacked.fields);
 }
 
 HipRange range_of(const Box& box, const Vec3& start) {
@@ -40,7 +40,7 @@ HipRange range_of(const Box& box, const Vec3& start) {
 struct Player {
   Player(UnpackedGrid&& from, const Vec3& start)
       : unpacked(std::move(from)),
-        map(std::make_shared<BranchMap>(unpacked.grid)),
+        map(std::make_shared<BranchNodes>(unpacked.grid)),
         traversal(unpacked.grid, map),
         force(energies_of(unpacked, *map), unpacked.grid.box(),
               unpacked.by_energy ? hermite_force : mean_force),
@@ -55,7 +55,7 @@ struct Player {
   void show();
 
   UnpackedGrid unpacked;
-  std::shared_ptr<BranchMap> map;
+  std::shared_ptr<BranchNodes> map;
   BranchTraversal traversal;
   NodeForce force;
   Mapping mapping;

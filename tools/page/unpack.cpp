@@ -33,12 +33,10 @@ void read_column(const unsigned char*& from, std::size_t count, const Use& use) 
 
 void read_links(const unsigned char*& from, const PackedHead& head, RecordColumns& columns) {
   columns.links.resize(std::size_t{head.records} * kDirections);
-  if (head.has_tears != 0) columns.tears.resize(columns.links.size());
-  for (auto* bytes : {&columns.links, &columns.tears})
-    for (std::size_t q = 0; q < kDirections && !bytes->empty(); ++q)
-      read_column<std::uint8_t>(from, head.records, [&](std::size_t r, std::uint8_t value) {
-        (*bytes)[r * kDirections + q] = value;
-      });
+  for (std::size_t q = 0; q < kDirections; ++q)
+    read_column<std::uint8_t>(from, head.records, [&](std::size_t r, std::uint8_t value) {
+      columns.links[r * kDirections + q] = value;
+    });
 }
 
 RecordFields read_fields(const unsigned char*& from, const PackedHead& head) {

@@ -71,7 +71,6 @@ void write_grid_array(const Grid& grid, const std::string& name) {
   if (spec.stored.force) fields += ", ('force', '<f8', (3,))";
   if (spec.stored.energy) fields += ", ('energy', '<f8')";
   if (spec.stored.shape) fields += format(", ('shape', '<f8', ({}, 3))", spec.spheres.size());
-  if (grid.has_tears()) fields += ", ('tear', '|u1', (26,))";
   NpyFile file(name, fields, grid.records());
   for (RecordIndex r = 0; r < grid.records(); ++r) {
     file.add(grid.box().coordinates(grid.point(r)).data(), 3);
@@ -80,7 +79,6 @@ void write_grid_array(const Grid& grid, const std::string& name) {
     for (int q = 0; q < kDirections; ++q)
       file.add(static_cast<std::int32_t>(grid.destination(r, q)));
     file.add(grid.row(r).data(), grid.row(r).size());
-    if (grid.has_tears()) file.add(grid.tears(r).data(), kDirections);
   }
   file.commit();
 }

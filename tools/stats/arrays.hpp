@@ -11,8 +11,7 @@ namespace hapgrid {
 
 /// One array with a row for each record and the fields point (3), level, generation, state (n),
 /// destination (26: rows, and -1 where a direction leaves the box, or leads nowhere yet), and if
-/// the grid stores them force (3), energy, shape (spheres x 3) and tear (26: the interval in which
-/// the branch ends, 255 elsewhere).
+/// the grid stores them force (3), energy and shape (spheres x 3).
 /// @throw std::system_error
 void write_grid_array(const Grid& grid, const std::string& file);
 

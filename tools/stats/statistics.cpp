@@ -91,7 +91,6 @@ Statistics count_statistics(const Grid& grid, std::uint64_t stored_bytes) {
   s.points = grid.box().points();
   s.records = grid.records();
   s.generation = grid.generation();
-  s.has_tears = grid.has_tears();
   s.stored_bytes = stored_bytes;
   s.levels_histogram.assign(1, 0);
   for (std::uint64_t p = 0; p < s.points; ++p) {
@@ -115,8 +114,6 @@ Statistics count_statistics(const Grid& grid, std::uint64_t stored_bytes) {
       s.one_way_links += back != r;
     }
   }
-  const bool lacks_tears = s.frontier == 0 && grid.spec().tears && !s.has_tears;
-  s.todo = lacks_tears ? s.records : s.frontier;
   return s;
 }
 
@@ -149,7 +146,6 @@ void add_costs(CostSums& sums, const std::string& name, const std::string& text)
     ++sums.lines;
     sums.cpu_seconds += seconds->get<double>();
     sums.conversions += count("conversions");
-    sums.tear_conversions += count("tear_conversions");
   }
 }
 
@@ -182,10 +178,8 @@ Json statistics_json(const GridSpec& spec, const Statistics& s, const CostSums* 
   json["links"] = s.links;
   json["one_way_links"] = s.one_way_links;
   json["one_way_share"] = ratio(static_cast<double>(s.one_way_links), s.links);
-  json["tears"] = s.has_tears;
   json["conversions"] = s.conversions;
   json["conversions_left"] = s.conversions_left;
-  json["todo"] = s.todo;
   json["bytes"] = s.stored_bytes;
   json["bytes_per_record"] = ratio(static_cast<double>(s.stored_bytes), s.records);
   json["cpu_hours"] = costs ? Json(hours(*costs)) : Json();
@@ -193,7 +187,6 @@ Json statistics_json(const GridSpec& spec, const Statistics& s, const CostSums* 
   if (costs)
     json["costs"] = {{"lines", costs->lines},
                      {"conversions", costs->conversions},
-                     {"tear_conversions", costs->tear_conversions},
                      {"cpu_seconds", costs->cpu_seconds}};
   return json;
 }
@@ -234,15 +227,10 @@ std::string statistics_text(const GridSpec& spec, const Statistics& s, const Cos
       histogram += format("{}{}: {}", histogram.empty() ? "" : ", ", k, s.levels_histogram[k]);
   row("levels",
       format("{} (levels: points that have so many; at most {})", histogram, spec.max_levels));
-  row("one-way", format("{} of {} links (there and back does not return to the level){}",
-                        percent(s.one_way_links, s.links), s.links,
-                        s.has_tears           ? ", with tear fractions"
-                        : s.todo > s.frontier ? ", whose tear fractions are still to be found"
-                                              : ""));
+  row("one-way", format("{} of {} links (there and back does not return to the level)",
+                        percent(s.one_way_links, s.links), s.links));
   std::string conversions = format("{} that this grid needed", s.conversions);
-  if (costs)
-    conversions += format(", {} in the cost files, and {} for tear fractions", costs->conversions,
-                          costs->tear_conversions);
+  if (costs) conversions += format(", {} in the cost files", costs->conversions);
   row("conversions", conversions);
   std::string size = format("{} bytes", s.stored_bytes);
   if (s.records > 0)

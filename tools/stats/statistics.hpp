@@ -22,12 +22,10 @@ struct Statistics {
   /// Links that can be followed there and back: both destination levels are settled and exist.
   std::uint64_t links = 0;
   std::uint64_t one_way_links = 0;  ///< those of them that do not come back to the level
-  bool has_tears = false;           ///< whether these have tear fractions
   /// In-box directions of the records that are not in the frontier: Algorithm 1 evaluates C once
   /// for each.
   std::uint64_t conversions = 0;
   std::uint64_t conversions_left = 0;  ///< conversions that the frontier asks for
-  std::uint64_t todo = 0;  ///< records that are to be expanded, or to get their tear fractions
   std::uint64_t stored_bytes = 0;
 };
 
@@ -37,13 +35,12 @@ Statistics count_statistics(const Grid& grid, std::uint64_t stored_bytes);
 /// The sums over the lines of `expand --cost` and `merge --cost`.
 struct CostSums {
   std::uint64_t lines = 0;
-  std::uint64_t conversions = 0;       ///< of the search
-  std::uint64_t tear_conversions = 0;  ///< of the round of tear fractions
+  std::uint64_t conversions = 0;
   double cpu_seconds = 0;
 };
 
-/// Adds the JSON lines in `text`, each an object with at least "cpu_seconds" (a number >= 0),
-/// "conversions" and "tear_conversions" (whole numbers >= 0).
+/// Adds the JSON lines in `text`, each an object with at least "cpu_seconds" (a number >= 0) and
+/// "conversions" (a whole number >= 0).
 /// @throw Error with `name` and line number at the first line that is not.
 void add_costs(CostSums& sums, const std::string& name, const std::string& text);
 

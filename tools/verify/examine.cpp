@@ -13,7 +13,6 @@
 #include "libcore/check/invariants.hpp"
 #include "libcore/check/passive.hpp"
 #include "libcore/check/snaps.hpp"
-#include "libcore/check/tears.hpp"
 #include "libcore/model/model.hpp"
 #include "libcore/search/converter.hpp"
 #include "tools/common/node_forces.hpp"
@@ -39,18 +38,11 @@ Check recompute_conversions(const Grid& grid, std::span<const RecordIndex> sampl
   return check_fidelity(grid, sample, model, threads, done);
 }
 
-Check recompute_tears(const Grid& grid, std::span<const RecordIndex> sample,
-                      const ModelSource& source, int threads) {
-  Progress conversions;
-  Converter converter(source, grid.spec(), static_cast<unsigned>(threads), conversions);
-  return check_tears(grid, sample, converter);
-}
-
 /// The row `passive`, for the force that play sends.
-/// @param gradient its row @param source of a model that may be asked where it snaps; null: it may
-/// not
-Check prove_passive(const Grid& grid, const BranchMap& branches, const RecordFields& fields,
-                    const Check& gradient, const ModelSource* source, int threads) {
+/// @param gradient its row @param make_model of a model that may be asked where it snaps; empty: it
+/// may not
+Check prove_passive(const Grid& grid, const BranchNodes& branches, const RecordFields& fields,
+                    const Check& gradient, const MakeModel& make_model, int threads) {
   const NodeForces forces = node_forces(grid, fields);
   const bool is_known = gradient.verdict() == "broken" || !gradient.remark.empty();
   if (!forces.has_energy())
@@ -58,11 +50,8 @@ Check prove_passive(const Grid& grid, const BranchMap& branches, const RecordFie
         format("play interpolates the forces of the records, which have no energy, because {}; "
                "make the grid finer, or give the model the energy of its force: see check-model",
                is_known ? gradient.meaning : forces.why_not));
-  forces.nodes->add_ghosts(grid, branches.nodes);
-  if (!source || grid.has_tears()) return check_passive(grid, branches, *forces.nodes);
-  Progress conversions;
-  Converter converter(*source, grid.spec(), static_cast<unsigned>(threads), conversions);
-  return check_passive(grid, branches, *forces.nodes, &converter);
+  forces.nodes->add_ghosts(grid, branches);
+  return check_passive(grid, branches, *forces.nodes, make_model, threads);
 }
 
 Check measure_accuracy(const Grid& grid, const Examination& asked, const WalkModels& models) {
@@ -98,7 +87,6 @@ std::vector<Check> examine(const Grid& grid, const Examination& asked) {
   add(check_links(grid));
   add(check_finite(grid));
   add(check_distinct(grid, *judging));
-  if (grid.has_tears()) add(check_fractions(grid));
   const std::vector<std::uint32_t> distances = find_distances(grid);
   add(check_reachable(grid, distances));
   add(check_generations(grid, distances));
@@ -109,14 +97,13 @@ std::vector<Check> examine(const Grid& grid, const Examination& asked) {
     sample = sample_records(grid, asked.recompute, asked.sample_seed);
     add(recompute_conversions(grid, sample, make_model, asked.threads));
     if (is_stored) add(check_stored(grid, sample, make_model, asked.threads));
-    if (grid.has_tears()) add(recompute_tears(grid, sample, *source, asked.threads));
     add(check_stable(grid, sample, make_model, asked.threads));
     add(check_snaps(grid, sample, make_model, asked.threads));
   }
 
   // What does the hand feel?
-  const BranchMap branches(grid);
-  add(check_continuous(grid, branches.nodes));
+  const BranchNodes branches(grid);
+  add(check_continuous(grid, branches));
   RecordFields fields;
   if (knows_force) fields = record_fields(grid, judge, asked.threads);
   Check gradient;
@@ -127,7 +114,7 @@ std::vector<Check> examine(const Grid& grid, const Examination& asked) {
   add(check_steep(grid, fields.force, asked.rendering));
   if (knows_force)
     add(prove_passive(grid, branches, fields, gradient,
-                      asked.recompute > 0 ? source.get() : nullptr, asked.threads));
+                      asked.recompute > 0 ? MakeModel(make_model) : MakeModel(), asked.threads));
 
   // And between the points?
   if (asked.walks > 0) {

@@ -103,7 +103,7 @@ crafted("many parameters", "seeds", "parameter|message of", parameters(*({"key":
 def column(kind, **changes):
     """Each change gets the column's list, or replaces it."""
     def edit(messages):
-        rows = messages[1]["requests" if kind.endswith("requests") else "tears" if kind == "tears" else "records"]
+        rows = messages[1]["requests" if kind.endswith("requests") else "records"]
         for name, change in changes.items():
             rows[name] = change(rows.get(name, [])) if callable(change) else change
     return edit
@@ -225,21 +225,11 @@ for kind, name, old, types in (
             message = "outside the box|damaged"
         crafted("%s as %s" % (name, other), kind, message, edit, schema=file, may_pass=True)
 
-crafted("tear fraction 32", "tears", "a tear fraction of 32", column("tears", tears=put(0, 32)))
-crafted("tear fraction 255", "tears", "a tear fraction of 255", column("tears", tears=put(0, 255)))
-crafted("tear fraction too many", "tears", "column tears does not fit", column("tears", tears=lambda tears: tears + [1]))
-crafted("tear fractions of no direction", "tears", "a record without tear fractions|does not fit", column("tears", directions=put(0, 0)))
-crafted("tear fraction outside the box", "tears", "of a link that leaves the box|does not fit", column("tears", directions=lambda all: [1 << 26 | d & d - 1 for d in all]))
-crafted("tear fraction beyond the levels", "tears", "level 8 at point [0-9]+, the limit is 8|out of order", column("tears", level=put(0, 8)))
-crafted("tear fraction at a point outside", "tears", "point 28 is outside the box", column("tears", point=put(-1, 28)))
-crafted("tear fractions stored in themselves", "tears", "tear fractions of a kind", header(tears="stored"))
-crafted("tear fractions not wanted", "tears", "another grid|does not lack", header(tears="none"))
-
 # Kinds of values that a later version may have.
 future = re.sub(r"(texts @5 :List\(Text\);)", r"\1\n    complex @6 :Float64;", SCHEMA)
-future = re.sub(r"(enum Content \{)", r"\1\n    beyond @3;", future)
+future = re.sub(r"(enum Content \{)", r"\1\n    beyond @2;", future)
 future = re.sub(r"(enum Norm \{)", r"\1\n    median @3;", future)
-future = re.sub(r"(tears @4 :TearChunk;)", r"\1\n    more @5 :UInt64;", future)
+future = re.sub(r"(footer @3 :Footer;)", r"\1\n    more @4 :UInt64;", future)
 with open("future.capnp", "w") as stream:
     stream.write(future)
 crafted("parameter of another kind", "seeds", "a parameter of a kind that this version does not know",

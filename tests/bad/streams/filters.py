@@ -107,7 +107,6 @@ def later_refused(*arguments):
 
 
 SEEDS, REQUESTS, GRID, NEXT, SMALL = map(read, ("seeds", "requests", "grid", "next", "small"))
-TEARS = read("tears")
 TOY_SEEDS, TOY_REQUESTS = map(read, ("toy.seeds", "toy.requests"))
 
 # The commands that read each kind of shard; unless it is all, one of them each.
@@ -116,7 +115,6 @@ READERS = {
     "requests": (REQUESTS, ["merge seeds BAD"]),
     "next": (NEXT, ["merge BAD next.requests", "stats --npy - BAD"]),
     "grid": (GRID, ["merge BAD", "expand BAD", "verify BAD", "stats BAD"]),
-    "tears": (TEARS, ["merge lacking BAD"]),
     "small": (SMALL, ["merge --small BAD", "stats --npy - BAD"]),
     "toy.seeds": (TOY_SEEDS, ["expand BAD", "merge toy.requests BAD"]),
     "toy.requests": (TOY_REQUESTS, ["merge toy.seeds BAD"]),

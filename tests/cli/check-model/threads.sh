@@ -7,7 +7,6 @@ for name in shared crashes alone; do
   cat >$name.toml <<TOML
 model = {plugin = "$name"}
 grid = {origin = [-1, 0, 0], spacing = 1, counts = [3, 2, 2]}
-search = {tears = true}
 TOML
 done
 expect 3 '~.*together: C answers otherwise while two threads ask two models: they share data, which a plug-in must not have\. With info\.processes = 1 one thread asks one model, and hapgrid rounds --parts N gives each a process of its own.*' \

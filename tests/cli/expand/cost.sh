@@ -10,7 +10,7 @@ python3 - costs <<'END'
 import json, socket, sys
 lines = open(sys.argv[1]).read().splitlines()
 costs = [json.loads(line) for line in lines]
-keys = ["tool", "generation", "part", "parts", "conversions", "tear_conversions", "wall_seconds", "cpu_seconds", "host"]
+keys = ["tool", "generation", "part", "parts", "conversions", "wall_seconds", "cpu_seconds", "host"]
 for cost in costs:
     assert list(cost) == keys, cost
     assert 0 < cost["wall_seconds"] < 600 and 0 < cost["cpu_seconds"] < 600, cost

@@ -2,7 +2,7 @@
 source "$(dirname "$0")/../lib.sh"
 
 # Two points: each finds the state at 0 of the other.
-seed "$ball" --set 'grid.counts=[2,1,1]' --set search.tears=false -o two
+seed "$ball" --set 'grid.counts=[2,1,1]' -o two
 expand two -o two.requests
 expect 0 '' '' -- merge two two.requests -o merged
 same "records" '{"records":{"point":[0,1],"level":[0,0],"generation":[0,0],"state":[0,0],"links":[255,255,255,255,255,255,255,255,255,255,255,255,255,0,255,255,255,255,255,255,255,255,255,255,255,255,255,255,255,255,255,255,255,255,255,255,255,255,0,255,255,255,255,255,255,255,255,255,255,255,255,255]}}' \

@@ -35,7 +35,7 @@ in_rounds() {
     g=$next
   done
   same_grid g.$g "rounds: $*"
-  same "rounds, the last for tear fractions" $((generations + 1)) "$g"
+  same "rounds" $generations "$g"
   rm -f g.*
 }
 shuffled() { shuf --random-source=<(yes); }

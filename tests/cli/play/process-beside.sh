@@ -2,7 +2,7 @@
 source "$(dirname "$0")/../lib.sh"
 
 # Two branches along a line: +1 where x < 0.39, with the force of a slope of -1 N, and -1 where x > -0.39, with 1 N.
-# The grid has points at 0.35 and 0.45, and no tear fractions.
+# The grid has points at 0.35 and 0.45.
 cat >flip.py <<'PYTHON'
 import os
 import hapgrid
@@ -39,7 +39,6 @@ origin = [-0.95, 0, 0]
 spacing = 0.1
 counts = [20, 1, 1]
 [search]
-tears = false
 TOML
 seed flip.toml --allow-process -o seeds
 expand --complete seeds --allow-process flip.toml -o grid

@@ -2,12 +2,11 @@
 # that play evaluates, on the hung ball. Also: play needs no plug-in for what is stored.
 source "$(dirname "$0")/../lib.sh"
 
-plain=(--set search.tears=false)
-seed "$ball" "${plain[@]}" | expand --complete -o evaluated
-seed "$ball" "${plain[@]}" --set model.parameters.stored=true | expand --complete -o stored
+seed "$ball" | expand --complete -o evaluated
+seed "$ball" --set model.parameters.stored=true | expand --complete -o stored
 
 # On fewer points, since the stock tools take long: the same states in the same levels, found through requests and merges, too.
-plain+=(--set grid.spacing=0.1 --set 'grid.counts=[20,10,10]')
+plain=(--set grid.spacing=0.1 --set 'grid.counts=[20,10,10]')
 seed "$ball" "${plain[@]}" | expand --complete -o few-evaluated
 seed "$ball" "${plain[@]}" --set model.parameters.stored=true -o seeds
 expand --complete seeds -o few-stored

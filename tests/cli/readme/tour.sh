@@ -12,7 +12,7 @@ own=$(commands README.md | grep -v "^make -f Makefile.example build$")  # tests/
 [[ $(wc -l <<<"$own") -eq 3 ]] || fail "the README's commands for a model of one's own are not three"
 # The same in C, which takes a tenth of the time; cli/launcher/init has all languages.
 bash -euo pipefail <<<"${own/--lang python/--lang c}" >out 2>err || fail "the README's commands failed: $(cat err)"
-expect 0 0 '' -- stats --get todo mymodel/mymodel.grid
+expect 0 0 '' -- stats --get frontier mymodel/mymodel.grid
 
 tour=$(commands examples/guide/pipeline.md)
 [[ $(wc -l <<<"$tour") -eq 10 ]] || fail "the tour has no ten lines"

@@ -42,7 +42,7 @@ seed short.toml --set model.plugin=hung-ball --set 'grid.origin=[-0.5, 1, 2e-1]'
   --set grid.spacing=1 --set grid.spacing=0.0625 --set grid.counts='[ 3, 2, 1 ]' \
   --set search.max_levels=254 --set model.parameters.radius=0.125 --set 'model.plugin="hung-ball"' \
   -o set
-same "header" '(header = (magic = 7521416442288890929, version = 1, content = grid, generation = 0, box = (originX = -0.5, originY = 1, originZ = 0.2, spacing = 0.0625, countX = 3, countY = 2, countZ = 1), model = "hung-ball", parameters = [(key = "radius", value = (number = 0.125))], stateSize = 1, tolerance = 1e-06, toleranceUnit = "rad", maxLevels = 254, stored = (force = false, energy = false, shape = false), spheres = [], equality = (norm = plugin, weights = [], periods = []), lengthUnit = "rope lengths", energyUnit = "N rope lengths", hipRadius = 0.125, tears = wanted, forceScale = 1))' \
+same "header" '(header = (magic = 7521416442288890929, version = 1, content = grid, generation = 0, box = (originX = -0.5, originY = 1, originZ = 0.2, spacing = 0.0625, countX = 3, countY = 2, countZ = 1), model = "hung-ball", parameters = [(key = "radius", value = (number = 0.125))], stateSize = 1, tolerance = 1e-06, toleranceUnit = "rad", maxLevels = 254, stored = (force = false, energy = false, shape = false), spheres = [], equality = (norm = plugin, weights = [], periods = []), lengthUnit = "rope lengths", energyUnit = "N rope lengths", hipRadius = 0.125, forceScale = 1))' \
   "$(text set | head -n 1)"
 
 # Corners of a box with a single point along an axis coincide.

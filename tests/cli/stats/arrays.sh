@@ -11,7 +11,7 @@ with open("dump") as file:
     names = file.readline()[2:].split()
 lines = [line.rstrip("\n").split("\t") for line in open("dump")][1:]
 grid = np.load("grid.npy")
-assert grid.dtype.names == ("point", "level", "generation", "destination", "state", "force", "energy", "shape", "tear")
+assert grid.dtype.names == ("point", "level", "generation", "destination", "state", "force", "energy", "shape")
 assert grid.flags.c_contiguous and grid.dtype.isnative
 n = len(lines)
 assert names[:5] == ["i", "j", "k", "level", "s0"] and len(names) == len(lines[0]) == 31, names
@@ -26,7 +26,6 @@ for line, to in zip(lines, grid["destination"]):
     for (dx, dy, dz), level, r in zip(steps, line[5:], to):
         assert r == (-1 if level == "-" else record[i + dx, j + dy, k + dz, int(level)]), (line, r)
 assert grid["force"].shape == (n, 3) and grid["energy"].shape == (n,) and grid["shape"].shape[::2] == (n, 3)
-assert (grid["tear"] < 32).any() and grid["tear"].max() == 255
 PYTHON
 
 # A session's ticks.

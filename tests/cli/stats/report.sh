@@ -20,7 +20,7 @@ points       24, of these 24 reached (100.00 %)
 records      24 in 2 generations
 frontier     0 records (complete)
 levels       1: 24 (levels: points that have so many; at most 8)
-one-way      0.00 % of 256 links (there and back does not return to the level), with tear fractions
+one-way      0.00 % of 256 links (there and back does not return to the level)
 conversions  256 that this grid needed
 size         $bytes bytes, $per_record a record
 
@@ -41,14 +41,13 @@ for pair in points=24 records=24 frontier=0 generation=2 generations=2 average_l
   expect 0 "${pair#*=}" '' -- stats grid --get "${pair%%=*}"
 done
 stats grid --format json >json
-for key in records frontier generation todo; do
+for key in records frontier generation; do
   grep -qx "  \"$key\": $(stats grid --get $key)," json || fail "$key in the JSON report"
 done
 
 # An incomplete grid: 8 corners that were never expanded, each with 7 directions into the box.
 expect 0 56 '' -- stats seeds --get conversions_left
 expect 0 8 '' -- stats seeds --get frontier
-expect 0 8 '' -- stats seeds --get todo
 expect 0 0 '' -- stats seeds --get generation
 expect 0 0 '' -- stats seeds --get conversions
 expect 0 1.0 '' -- stats seeds --get average_levels
@@ -62,7 +61,7 @@ merge seeds q1 q2 --cost r2 -o second
 expect 0 3 '' -- stats second --get costs.lines --cost r1 --cost r2
 expect 0 "$(stats second --get conversions)" '' -- \
   stats second --get costs.conversions --cost r1 --cost r2
-echo '{"cpu_seconds": 7200, "conversions": 5, "tear_conversions": 0}' >hours
+echo '{"cpu_seconds": 7200, "conversions": 5}' >hours
 expect 0 2.0 '' -- stats --get cpu_hours --cost hours grid
 stats grid --cost hours | grep -qx 'hung-ball        1.000   [0-9.]* MB        2.0' ||
   fail "CPU hours in the table"

@@ -10,8 +10,7 @@ options say otherwise.
 Checksums, digests and sums are made right again after each change, except in the part "not sealed".
 
 The grids (faults.sh): ball is a hung ball of 14 x 3 x 2 points; stored is the same with force, energy
-and shape; fine has half of the spacing; torn is ball with tear fractions;
-middle waits for its second round; chunks has five large
+and shape; fine has half of the spacing; middle waits for its second round; chunks has five large
 states of a toy model.
 """
 
@@ -26,7 +25,6 @@ import planting
 import faults_in_links  # noqa: F401
 import faults_in_records  # noqa: F401
 import faults_in_numbers  # noqa: F401
-import faults_in_tears  # noqa: F401
 import faults_in_headers  # noqa: F401
 import faults_in_streams  # noqa: F401
 import no_faults  # noqa: F401

@@ -6,12 +6,10 @@ needs xxhsum xxhash
 # A box through which the ball is pushed up: 74 of 84 points have two levels.
 box=(--set grid.spacing=0.1 --set 'grid.counts=[14,3,2]' --set 'grid.origin=[-0.65,-0.1,-0.05]')
 seed "$ball" "${box[@]}" -o seeds
-expand --complete seeds -o torn
-seed "$ball" "${box[@]}" --set search.tears=false -o seeds
 expand --complete seeds -o ball
-seed "$ball" "${box[@]}" --set model.parameters.stored=true --set search.tears=false | expand --complete -o stored
+seed "$ball" "${box[@]}" --set model.parameters.stored=true | expand --complete -o stored
 fine=(--set grid.spacing=0.05 --set 'grid.counts=[40,3,2]' --set 'grid.origin=[-0.975,-0.05,-0.025]')
-seed "$ball" "${fine[@]}" --set model.parameters.stored=true --set search.tears=false | expand --complete -o fine
+seed "$ball" "${fine[@]}" --set model.parameters.stored=true | expand --complete -o fine
 # Three chunks: states of 24 kB, with a model that leaves them 0.
 export HAPGRID_MODEL_PATH=$HAPGRID_BUILD/tests/plugins
 cat >toy.toml <<'END'
@@ -19,7 +17,7 @@ grid = {origin = [0, 0, 0], spacing = 1, counts = [5, 1, 1]}
 model = {plugin = "toy", parameters = {state_size = 3000, amplitude = 0}}
 seeds = {points = [[0, 0, 0]]}
 END
-seed toy.toml --set search.tears=false | expand --complete -o chunks
+seed toy.toml | expand --complete -o chunks
 expand seeds -o requests
 merge seeds requests -o middle
 python3 "$here/faults.py" "$@"

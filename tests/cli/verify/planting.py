@@ -11,7 +11,7 @@ import shard
 
 class Grid:
     """A plain grid; its shard is sealed with one chunk. `rows` are dictionaries with point, level, generation, links (26),
-    tears (26, or none), state and, where they are stored, force, energy and shape, each a list."""
+    state and, where they are stored, force, energy and shape, each a list."""
 
     NUMBERS = ("state", "force", "energy", "shape")
 
@@ -25,8 +25,7 @@ class Grid:
         n = len(columns["point"])
         for r in range(n):
             row = {name: columns[name][r] for name in ("point", "level", "generation")}
-            for name in ("links", "tears"):
-                row[name] = columns.get(name, [])[26 * r : 26 * r + 26]
+            row["links"] = columns["links"][26 * r : 26 * r + 26]
             for name in self.NUMBERS:
                 row[name] = [float(v) for v in columns.get(name, [])[r::n]]
             yield row
@@ -56,8 +55,7 @@ class Grid:
         columns = {}
         for name in ("point", "level", "generation"):
             columns[name] = [row[name] for row in self.rows]
-        for name in ("links", "tears"):
-            columns[name] = [byte for row in self.rows for byte in row[name]]
+        columns["links"] = [byte for row in self.rows for byte in row["links"]]
         for name in self.NUMBERS:
             columns[name] = [v if v == v and abs(v) != float("inf") else
                              {"nan": "NaN", "inf": "Infinity", "-inf": "-Infinity"}[str(v)]

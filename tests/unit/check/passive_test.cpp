@@ -23,15 +23,17 @@ RecordFields fields_of(const Grid& grid) {
       grid, [] { return hung_ball::make(); }, 2);
 }
 
+std::unique_ptr<Model> make() { return hung_ball::make(); }
+
 Check passive(const Grid& grid, const RecordFields& fields) {
-  const BranchMap map(grid);
-  return check_passive(grid, map, NodeEnergies(grid, &map.nodes, fields));
+  const BranchNodes map(grid);
+  return check_passive(grid, map, NodeEnergies(grid, &map, fields), make, 2);
 }
 
 }  // namespace
 
 TEST_CASE("the hung ball's snaps lead down, by what it drops by; snaps that lead up are found") {
-  const Grid line = hung_ball::grid({{-0.9, 0, 0}, 1.8 / 1600, {1601, 1, 1}}, /*tears=*/true);
+  const Grid line = hung_ball::grid({{-0.9, 0, 0}, 1.8 / 1600, {1601, 1, 1}});
   const Check check = passive(line, fields_of(line));
   CHECK(check.verdict() == "ok");
   CHECK(check.found.counted == 2 * (line.records() - 1));
@@ -61,7 +63,7 @@ TEST_CASE("no snap of the ball in its box leads up, also where a finer grid meet
 }
 
 TEST_CASE("exchanged links that lift the ball for nothing are found") {
-  const Grid grid = hung_ball::grid(kBallBox, /*tears=*/true);
+  const Grid grid = hung_ball::grid(kBallBox);
   CHECK(grid.records() == 18104);  // as seed and expand find them, examples/hung-ball
   // Where the ball is pushed highest near y = z = 0, the links to the right of the two levels are
   // exchanged: the one that hangs free is then lifted for nothing.
@@ -72,7 +74,6 @@ TEST_CASE("exchanged links that lift the ball for nothing are found") {
     columns.generation.push_back(0);
     columns.rows.push_back(grid.state(r)[0]);
     columns.links.insert(columns.links.end(), grid.links(r).begin(), grid.links(r).end());
-    columns.tears.insert(columns.tears.end(), grid.tears(r).begin(), grid.tears(r).end());
   }
   const PointIndex p = kBallBox.index({29, 10, 9});  // x = 0.475
   REQUIRE(grid.levels(p) == 2);
@@ -89,16 +90,13 @@ TEST_CASE("exchanged links that lift the ball for nothing are found") {
   CHECK(is_named);
 }
 
-TEST_CASE("where the place of a snap decides, and no tear fraction has it, the model is asked") {
+TEST_CASE("where the place of a snap decides, the model is asked") {
   // The ball that is pushed tears off at t, where its energy is given the value a (x - c), and 0
   // behind the snap. So the snap leads up where c is behind t, and down where c is before it.
   const double t = 2 * std::sqrt(hung_ball::kRadius * (1 + hung_ball::kRadius));
   const double a = 10, h = 0.05;  // newtons; the snap leads up or down by a h / 5 = 2 N h
   const Grid line = hung_ball::grid({{-0.9, 0, 0}, h, {37, 1, 1}});
-  const BranchMap map(line);
-  const Plugin plugin("hung-ball", {HAPGRID_BUILD_DIR "/models"});
-  Progress progress;
-  Converter converter(plugin, line.spec(), 1, progress);
+  const BranchNodes map(line);
   for (const double part : {-0.2, 0.2}) {
     const double c = t + part * h;
     RecordFields fields;
@@ -108,12 +106,13 @@ TEST_CASE("where the place of a snap decides, and no tear fraction has it, the m
       fields.energy.push_back(side == 0 ? 0 : a * (side * x - c));
       fields.force.push_back({-side * a, 0, 0});
     }
-    const NodeEnergies nodes(line, &map.nodes, fields);
+    const NodeEnergies nodes(line, &map, fields);
     CHECK(check_passive(line, map, nodes).verdict() == "not proved");
-    const Check asked = check_passive(line, map, nodes, &converter);
+    const Check asked = check_passive(
+        line, map, nodes, [] { return hung_ball::make(); }, 2);
     CHECK(asked.verdict() == (part > 0 ? "broken" : "ok"));
     CHECK(asked.found.offenders == (part > 0 ? 2 : 0));
-    // A tear fraction is exact to half an interval.
+    // The place is exact to a 64th of the link.
     if (part > 0) CHECK(figure(asked, "largest gain") == Approx(a * h / 5).margin(a * h / 64));
   }
 }

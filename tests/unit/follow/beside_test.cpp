@@ -28,7 +28,7 @@ std::vector<Vec3> there_and_back() {
 
 /// How many ticks the state is not the model's, and that it is one of a branch in all ticks.
 int ticks_apart(const Grid& grid, double ends, std::optional<std::uint32_t> delay) {
-  BranchTraversal t(grid, std::make_shared<const BranchMap>(grid));
+  BranchTraversal t(grid, std::make_shared<const BranchNodes>(grid));
   std::optional<Beside> beside;
   if (delay) {
     beside.emplace(grid, model_of_line(grid.spec(), ends), *delay);
@@ -75,7 +75,7 @@ TEST_CASE("the state and the force are the model's, and fade to the grid's when 
   while (path.back() < 5.5) path.push_back(path.back() + 0.01);
   Beside beside(grid, wavy_model(grid.spec(), fails_at), 1);
   beside.begin(1000);
-  BranchTraversal t(grid, std::make_shared<const BranchMap>(grid));
+  BranchTraversal t(grid, std::make_shared<const BranchNodes>(grid));
   t.walk_beside(&beside);
   RecordFields fields;
   for (int i = 0; i < 8; ++i) fields.force.push_back({-i / 10.0, 0, 0});
@@ -108,7 +108,7 @@ TEST_CASE("the state and the force are the model's, and fade to the grid's when 
 
 TEST_CASE("a hand that turns round before it comes to where the model looked ahead stays") {
   const Grid grid = line();
-  BranchTraversal t(grid, std::make_shared<const BranchMap>(grid));
+  BranchTraversal t(grid, std::make_shared<const BranchNodes>(grid));
   constexpr int kLate = 5;
   Beside beside(grid, model_of_line(grid.spec(), kEndsEarly), kLate);
   beside.begin(1000);
@@ -129,7 +129,7 @@ TEST_CASE("a hand that turns round before it comes to where the model looked ahe
 
 TEST_CASE("a hand that turns round gets what the model said of the places on its way") {
   const Grid grid = straight_line();
-  BranchTraversal t(grid, std::make_shared<const BranchMap>(grid));
+  BranchTraversal t(grid, std::make_shared<const BranchNodes>(grid));
   Beside beside(grid, wavy_model(grid.spec(), 8), 5);
   beside.begin(1000);
   t.walk_beside(&beside);
@@ -182,7 +182,7 @@ TEST_CASE(
 
 TEST_CASE("a model that cannot convert a state leaves the decision to the grid") {
   const Grid grid = line();
-  BranchTraversal t(grid, std::make_shared<const BranchMap>(grid));
+  BranchTraversal t(grid, std::make_shared<const BranchNodes>(grid));
   Beside beside(grid,
                 std::make_unique<tiny::TestModel>(
                     grid.spec(), [](const double*, const Vec3&, const Vec3&, double*,
@@ -190,7 +190,7 @@ TEST_CASE("a model that cannot convert a state leaves the decision to the grid")
                 1);
   beside.begin(1000);
   t.walk_beside(&beside);
-  BranchTraversal alone(grid, std::make_shared<const BranchMap>(grid));
+  BranchTraversal alone(grid, std::make_shared<const BranchNodes>(grid));
   for (const Vec3& x : there_and_back()) {
     REQUIRE(t.step(x).usable());
     alone.step(x);
@@ -202,7 +202,7 @@ TEST_CASE("a model that cannot convert a state leaves the decision to the grid")
 TEST_CASE("with a model beside the grid no step allocates, whatever model and links say") {
   const Box box{{0, 0, 0}, 1, {8, 7, 6}};
   const Grid grid = random_grid(box, 3, 4, 3);
-  BranchTraversal t(grid, std::make_shared<const BranchMap>(grid));
+  BranchTraversal t(grid, std::make_shared<const BranchNodes>(grid));
   std::mt19937_64 random(3);
   Beside beside(grid,
                 std::make_unique<tiny::TestModel>(

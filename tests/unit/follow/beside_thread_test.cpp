@@ -60,7 +60,7 @@ void wait_for_answer(Beside& beside) {
 
 TEST_CASE("a step follows what the thread's model said last, and tells of its snap") {
   const Grid grid = line();
-  BranchTraversal t(grid, std::make_shared<const BranchMap>(grid));
+  BranchTraversal t(grid, std::make_shared<const BranchNodes>(grid));
   Beside beside(grid, model_of_line(grid.spec(), kEndsEarly), std::nullopt);
   beside.begin(1000);
   t.walk_beside(&beside);
@@ -83,7 +83,7 @@ TEST_CASE(
   const Grid grid = straight_line();
   const auto wavy = std::shared_ptr<Model>(wavy_model(grid.spec(), 8));
   std::atomic<bool> thinks{false};
-  BranchTraversal t(grid, std::make_shared<const BranchMap>(grid));
+  BranchTraversal t(grid, std::make_shared<const BranchNodes>(grid));
   Beside beside(grid,
                 std::make_unique<tiny::TestModel>(
                     grid.spec(),

@@ -19,20 +19,6 @@ using namespace hapgrid::testing;
 
 namespace {
 
-/// Random links, and random tear fractions on those that are one-way.
-Grid random_torn_grid(const Box& box, std::uint32_t n, unsigned levels, std::uint64_t seed) {
-  const Grid without = random_grid(box, n, levels, seed);
-  RecordColumns columns = random_columns(box, n, levels, seed);
-  std::mt19937_64 random(seed);
-  for (RecordIndex r = 0; r < without.records(); ++r)
-    for (int q = 0; q < kDirections; ++q)
-      columns.tears.push_back(
-          without.is_one_way(r, q) ? static_cast<TearByte>(random() % kTearSteps) : kNoTear);
-  GridSpec spec = spec_for(box, n);
-  spec.tears = true;
-  return Grid(spec, 1, columns);
-}
-
 /// Two branches of a unit grid. The one is where normal·x < reach, with the state slope·x, and
 /// snaps at the plane to the other, which is everywhere, with the state -100.
 struct Half {
@@ -57,15 +43,9 @@ struct Half {
           const bool lower_there = level == 1 || !has_upper(to);
           columns.links.push_back(!stays ? kLeavesBox
                                          : static_cast<Level>(has_upper(to) && lower_there));
-          double t = (reach - dot(normal, x)) / dot(normal, around.shift(q));
-          t = std::clamp(std::floor(t * kTearSteps), 0.0, kTearSteps - 1.0);
-          columns.tears.push_back(stays && level == 0 && lower_there ? static_cast<TearByte>(t)
-                                                                     : kNoTear);
         }
       }
-    GridSpec spec = spec_for(box, 1);
-    spec.tears = true;
-    return Grid(spec, 1, columns);
+    return Grid(spec_for(box, 1), 1, columns);
   }
 };
 
@@ -74,8 +54,8 @@ struct Half {
 TEST_CASE("on a grid of one branch both rules give the same bits") {
   for (const Box& box : boxes()) {
     const Grid grid = random_grid(box, 3, 1, 5);
-    const auto map = std::make_shared<const BranchMap>(grid);
-    CHECK(map->nodes.ghosts() == 0);
+    const auto map = std::make_shared<const BranchNodes>(grid);
+    CHECK(map->ghosts() == 0);
     PaperTraversal paper(grid);
     BranchTraversal branch(grid, map);
     std::mt19937_64 random(5);
@@ -91,20 +71,14 @@ TEST_CASE("on a grid of one branch both rules give the same bits") {
   }
 }
 
-TEST_CASE("along a line the state snaps where the tear fraction says, and comes back elsewhere") {
-  // 0 1 2 3 4 on the upper branch, which ends 10.5/32 behind 4; the lower one, -100, from 3 on,
-  // ends 5.5/32 before 3 on the way back.
-  RecordColumns columns = line_columns();
-  columns.tears.assign(columns.links.size(), kNoTear);
-  columns.tears[5 * kDirections + tiny::kRight] = 10;  // of 4 on the upper branch
-  columns.tears[4 * kDirections + tiny::kLeft] = 5;    // of 3 on the lower one
-  GridSpec spec = spec_for(line_box(), 1);
-  spec.tears = true;
-  const Grid grid(spec, 1, columns);
-  const auto map = std::make_shared<const BranchMap>(grid);
-  REQUIRE(map->nodes.ghosts() == 2);
+TEST_CASE("along a line the state snaps in the middle of a link, and comes back elsewhere") {
+  // 0 1 2 3 4 on the upper branch, which ends behind 4; the lower one, -100, from 3 on, ends before
+  // 3 on the way back.
+  const Grid grid(spec_for(line_box(), 1), 1, line_columns());
+  const auto map = std::make_shared<const BranchNodes>(grid);
+  REQUIRE(map->ghosts() == 2);
   BranchTraversal t(grid, map);
-  const double ends = 4 + 10.5 / 32, comes_back = 3 - 5.5 / 32;
+  const double ends = 4.5, comes_back = 2.5;
   int snaps = 0;
   const auto go = [&](double from, double to, auto&& expected) {
     for (int i = 0; i <= 1000; ++i) {
@@ -123,13 +97,13 @@ TEST_CASE("along a line the state snaps where the tear fraction says, and comes 
   CHECK(snaps == 2);
 }
 
-TEST_CASE("at a plane the state snaps where the plane is") {
+TEST_CASE("at a plane the state snaps near the plane") {
   // Two spacings from the sides of the box, where a branch cannot be extrapolated.
   const Box box{{0, 0, 0}, 1, {9, 9, 9}};
   for (const Vec3& normal : {Vec3{1, 0, 0}, Vec3{0.6, 0.8, 0}, Vec3{0.48, 0.6, 0.64}}) {
     const Half half{normal, {0.3, -0.2, 0.1}, dot(normal, {4.2, 4.2, 4.2})};
     const Grid grid = half.grid(box);
-    const auto map = std::make_shared<const BranchMap>(grid);
+    const auto map = std::make_shared<const BranchNodes>(grid);
     BranchTraversal t(grid, map);
     std::mt19937_64 random(7);
     int paths = 0;
@@ -139,7 +113,7 @@ TEST_CASE("at a plane the state snaps where the plane is") {
       };
       const Vec3 from = any(), to = any();
       // So far on the upper side that the nearest corner is there too.
-      if (dot(normal, from) > half.reach - 1 || dot(normal, to) < half.reach + 0.1) continue;
+      if (dot(normal, from) > half.reach - 1 || dot(normal, to) < half.reach + 1) continue;
       ++paths;
       t.start(from);
       double snapped_at = -1;
@@ -149,10 +123,9 @@ TEST_CASE("at a plane the state snaps where the plane is") {
         // On the branch up to the end, and off it behind: the slope is exact in ghosts, too.
         CHECK(std::abs(t.state()[0] - (snapped_at < 0 ? dot(half.slope, x) : -100)) < 1e-12);
       }
-      // A fraction is known to 1/64 of a link, which has at most 1.72 spacings along the normal,
-      // and a tick is 0.01 at most. Near the side of the box and the distance of 2 spacings at
-      // which the tear function is cut, the fit may take as much again.
-      CHECK(std::abs(snapped_at - half.reach) < 2 * 1.72 / 64 + 0.007);
+      // Corners of a cell are at most 1.72 spacings apart along the normal, and half of the weight
+      // is on either side of the plane; a tick is 0.01 at most.
+      CHECK(std::abs(snapped_at - half.reach) < 1.72 / 2 + 0.01);
     }
   }
 }
@@ -163,8 +136,8 @@ TEST_CASE("whatever the links are, the state jumps only where it snaps") {
   for (const Box& box : boxes()) {
     if (box.origin[0] == 1e9) continue;  // there a step is not small against the rounding
     for (unsigned levels = 2; levels <= 4; ++levels) {
-      const Grid grid = random_torn_grid(box, 2, levels, ++seed);
-      const auto map = std::make_shared<const BranchMap>(grid);
+      const Grid grid = random_grid(box, 2, levels, ++seed);
+      const auto map = std::make_shared<const BranchNodes>(grid);
       BranchTraversal t(grid, map);
       std::mt19937_64 random(seed);
       Vec3 x = random_point(box, random);
@@ -201,8 +174,8 @@ TEST_CASE("where the hand rests, the state does not go on snapping") {
   std::uint64_t seed = 100, places = 0, endless = 0;
   for (const Box& box : boxes())
     for (unsigned levels = 2; levels <= 4; ++levels) {
-      const Grid grid = random_torn_grid(box, 2, levels, ++seed);
-      BranchTraversal t(grid, std::make_shared<const BranchMap>(grid));
+      const Grid grid = random_grid(box, 2, levels, ++seed);
+      BranchTraversal t(grid, std::make_shared<const BranchNodes>(grid));
       std::mt19937_64 random(seed);
       for (int i = 0; i < 2000; ++i) {
         const Vec3 x = random_point(box, random);
@@ -220,8 +193,8 @@ TEST_CASE("where the hand rests, the state does not go on snapping") {
 
 TEST_CASE("no step allocates, however far the hand jumps") {
   const Box box{{0, 0, 0}, 1, {12, 11, 10}};
-  const Grid grid = random_torn_grid(box, 40, 4, 3);
-  const auto map = std::make_shared<const BranchMap>(grid);
+  const Grid grid = random_grid(box, 40, 4, 3);
+  const auto map = std::make_shared<const BranchNodes>(grid);
   BranchTraversal t(grid, map);
   std::mt19937_64 random(3);
   std::vector<Vec3> path(5000);

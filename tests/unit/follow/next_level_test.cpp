@@ -34,7 +34,7 @@ Grid sheets(const Box& box, Level levels) {
 
 std::unique_ptr<Traversal> by_rule(bool paper, const Grid& grid) {
   if (paper) return std::make_unique<PaperTraversal>(grid);
-  return std::make_unique<BranchTraversal>(grid, std::make_shared<const BranchMap>(grid));
+  return std::make_unique<BranchTraversal>(grid, std::make_shared<const BranchNodes>(grid));
 }
 
 }  // namespace
@@ -87,7 +87,7 @@ TEST_CASE("where there is one level nothing happens") {
 }
 
 TEST_CASE("only a branch that reaches the place can be chosen") {
-  // Level 0 is 10 + x up to 10.5/32 behind 4, level 1 is -100, from 0 to the end.
+  // Level 0 is 10 + x up to 4.5, level 1 is -100, from 0 to the end.
   const Box box{{0, 0, 0}, 1, {8, 1, 1}};
   RecordColumns columns;
   for (int i = 0; i < 8; ++i)
@@ -97,14 +97,10 @@ TEST_CASE("only a branch that reaches the place can be chosen") {
       const Level right = i == 7 ? kLeavesBox : !upper && i < 4;
       tiny::add(columns, static_cast<PointIndex>(i), !upper && i <= 4, 0, upper ? 10.0 + i : -100,
                 left, right);
-      columns.tears.resize(columns.links.size(), kNoTear);
-      if (upper && i == 4) columns.tears[columns.links.size() - kDirections + tiny::kRight] = 10;
     }
-  GridSpec spec = spec_for(box, 1);
-  spec.tears = true;
-  const Grid grid(spec, 1, columns);
-  BranchTraversal t(grid, std::make_shared<const BranchMap>(grid));
-  const double ends = 4 + 10.5 / 32;
+  const Grid grid(spec_for(box, 1), 1, columns);
+  BranchTraversal t(grid, std::make_shared<const BranchNodes>(grid));
+  const double ends = 4.5;
   t.start({4.1, 0, 0});
   CHECK(t.state()[0] == Approx(14.1));
   CHECK(t.step({4.2, 0, 0}, true).chosen == 1);

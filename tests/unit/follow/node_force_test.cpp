@@ -123,9 +123,9 @@ TEST_CASE("in a cell the work of the force is what the energy loses") {
 TEST_CASE("on a branch no closed way of the hand gains energy") {
   const Box box{{0.3, -2, 5}, 0.25, {5, 6, 4}};
   const Grid grid = random_grid(box, 1, 1, 2);
-  const auto map = std::make_shared<const BranchMap>(grid);
+  const auto map = std::make_shared<const BranchNodes>(grid);
   const auto energies =
-      std::make_shared<const NodeEnergies>(grid, &map->nodes, random_fields(grid, 2));
+      std::make_shared<const NodeEnergies>(grid, map.get(), random_fields(grid, 2));
   BranchTraversal t(grid, map);
   NodeForce force(energies, box, hermite_force);
   std::mt19937_64 random(2);
@@ -285,9 +285,9 @@ TEST_CASE("whatever the links are, the force jumps only where the state does") {
   std::uint64_t changes = 0, faded = 0;
   for (unsigned levels = 2; levels <= 4; ++levels) {
     const Grid grid = random_grid(box, 1, levels, levels);
-    const auto map = std::make_shared<const BranchMap>(grid);
+    const auto map = std::make_shared<const BranchNodes>(grid);
     const auto energies =
-        std::make_shared<const NodeEnergies>(grid, &map->nodes, random_fields(grid, levels));
+        std::make_shared<const NodeEnergies>(grid, map.get(), random_fields(grid, levels));
     BranchTraversal t(grid, map);
     NodeForce force(energies, box, hermite_force);
     std::mt19937_64 random(levels);

@@ -7,12 +7,11 @@
 
 namespace hung_ball {
 
-inline hapgrid::Grid grid(const hapgrid::Box& box, bool tears = false) {
+inline hapgrid::Grid grid(const hapgrid::Box& box) {
   using namespace hapgrid;
   Definition definition;
   definition.plugin = "hung-ball";
   definition.box = box;
-  definition.tears = tears;
   const TemporaryDirectory dir;
   const Plugin plugin("hung-ball", {HAPGRID_BUILD_DIR "/models"});
   const auto model = plugin.create({});

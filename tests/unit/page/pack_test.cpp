@@ -21,7 +21,7 @@ const MakeModel kNoModel = []() -> std::unique_ptr<Model> {
 
 /// Two branches in a box, on one of which the energy is x^2 / 2; three spheres, of which the second
 /// does not move. @param exact the force is the gradient of that energy
-Grid two_branches(const GridCoordinates& counts, bool has_tears, bool exact) {
+Grid two_branches(const GridCoordinates& counts, bool exact) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<float> anywhere(-3, 3);
   GridSpec spec;
@@ -47,7 +47,6 @@ Grid two_branches(const GridCoordinates& counts, bool has_tears, bool exact) {
         const bool inside = around.inside(p) >> q & 1;
         const bool ends = inside && levels(static_cast<PointIndex>(p + around.offset(q))) <= level;
         columns.links.push_back(!inside ? kLeavesBox : ends ? Level{0} : level);
-        if (has_tears) columns.tears.push_back(ends ? TearByte(q) : kNoTear);
       }
     }
   return GridBuilder(spec, 1, std::move(columns)).finish();
@@ -59,15 +58,14 @@ UnpackedGrid unpacked(const PackedGrid& packed) {
 
 }  // namespace
 
-TEST_CASE("levels, links, tears, forces and energies come back, and places to a part of a pixel") {
-  const bool has_tears = GENERATE(false, true), exact = GENERATE(true, false);
+TEST_CASE("levels, links, forces and energies come back, and places to a part of a pixel") {
+  const bool exact = GENERATE(true, false);
   const GridCoordinates counts = GENERATE(GridCoordinates{7, 5, 6}, GridCoordinates{7, 1, 4});
-  const Grid grid = two_branches(counts, has_tears, exact);
+  const Grid grid = two_branches(counts, exact);
   const PackedGrid packed = pack_grid(grid, "grid", kNoModel);
   const UnpackedGrid got = unpacked(packed);
   CHECK(got.by_energy == exact);
   REQUIRE(got.grid.records() == grid.records());
-  CHECK(got.grid.has_tears() == has_tears);
   CHECK(got.grid.state_size() == 0);
   CHECK(got.moved == std::vector<std::uint32_t>{0, 1, 2, 6, 7, 8});
   CHECK(got.centres[4] == 0.25F);
@@ -80,7 +78,6 @@ TEST_CASE("levels, links, tears, forces and energies come back, and places to a 
     const auto row = grid.row(r), its = got.grid.row(r);
     REQUIRE(got.grid.point(r) == grid.point(r));
     REQUIRE(std::ranges::equal(got.grid.links(r), grid.links(r)));
-    REQUIRE((!has_tears || std::ranges::equal(got.grid.tears(r), grid.tears(r))));
     REQUIRE(got.fields.force[r][0] == static_cast<float>(row[2]));
     const double energy = exact ? 2 * (row[5] - lowest) : 0;
     REQUIRE(got.fields.energy[r] == Approx(energy).margin(1e-6));

@@ -72,3 +72,22 @@ TEST_CASE("complete() is Algorithm 1, with any number of threads") {
     require_same(dir.file("grid"), search);
   }
 }
+
+TEST_CASE("the failure of a thread ends the work of the others, and reaches the caller") {
+  Random random(3);
+  const TemporaryDirectory dir;
+  write_seed_shard(Case(random), dir.file("seeds"));
+  Progress progress;
+  Converter converter(toy_plugin(), open_grid(dir.file("seeds")).header.spec, 3, progress);
+  for (const bool is_first : {false, true}) {
+    WorkQueue endless(std::uint64_t{1} << 62, converter.models(), 1, progress);
+    std::atomic<int> failures{0};
+    const auto work = [&](Model& model) {
+      if ((&model == &converter.model()) == is_first && failures++ == 0) throw Error("thrown");
+      WorkQueue::Slice mine;
+      for (std::uint64_t item; endless.next(mine, true, item);) {
+      }
+    };
+    CHECK_THROWS_WITH(converter.run(endless, work), "thrown");
+  }
+}

@@ -19,7 +19,6 @@
 #include "libcore/search/expand.hpp"
 #include "libcore/search/merge.hpp"
 #include "libcore/search/seed.hpp"
-#include "libcore/search/tears.hpp"
 #include "libcore/shard/load.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/search/reference.hpp"
@@ -71,7 +70,6 @@ struct Case {
     set_model(model);
     definition.plugin = "toy";
     definition.max_levels = 254;
-    definition.tears = false;
     grid.origin = {-1.5, 0.25, 2};
     grid.spacing = 1.125;
     definition.box.origin = grid.origin;
@@ -152,16 +150,8 @@ inline void expand_shard(const std::string& from, Part part, const std::string& 
                          unsigned threads = 1) {
   const Section grid = open_grid(from);
   Progress progress;
-  SectionHeader header{Content::kRequests, grid.header.generation, grid.header.spec};
+  const SectionHeader header{Content::kRequests, grid.header.generation, grid.header.spec};
   Converter converter(toy_plugin(), header.spec, threads, progress);
-  if (grid.next_round() == Content::kTears) {
-    header.content = Content::kTears;
-    const Grid loaded = load_grid(grid).grid;
-    const auto links = one_way_links(loaded, part);
-    return write_shard(to, header, [&](SectionWriter& out) {
-      write_tears(loaded, links, find_tears(loaded, links, converter, progress), out);
-    });
-  }
   FrontierReader frontier(grid, part);
   const std::uint64_t expected = frontier.conversions();
   write_shard(to, header, [&](SectionWriter& out) {

@@ -98,7 +98,6 @@ counts = {self.counts()}
 
 [search]
 max_levels = {MAX_LEVELS}           # states that a grid point may have
-tears = false              # whether the search finds where the model snaps; play asks the model itself
 """
 
 
