@@ -13,7 +13,7 @@ namespace hapgrid {
 namespace {
 
 constexpr double kMostPlaces = 0.99;       // that must be below the wanted error
-constexpr std::size_t kLeastPlaces = 100;  // in which an order is told
+constexpr std::size_t kLeastPlaces = 100;  // in which an order is told: of fewer, 99 % are all
 constexpr double kLeastOrder = 0.75;  // kinks have 1; below, the spacing does not resolve the state
 constexpr double kHighestOrder = 2;   // of multilinear interpolation
 

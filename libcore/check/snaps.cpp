@@ -18,11 +18,15 @@ namespace hapgrid {
 namespace {
 
 constexpr std::size_t kMostLinks = 256;  // each costs kPieces conversions
-// The share of an honest model's steps that may meet a fork, and end elsewhere in pieces. Of a few
-// steps one or two may, whatever their share is.
+// A snap that ends elsewhere in pieces ends elsewhere for a hand that moves slowly. That is right
+// at a fork, where the smallest difference decides between two branches, and such places are rare:
+// in nine of ten snaps the hand must get what the grid has. A few steps are no sample: there one or
+// two are allowed, whatever their share is.
 constexpr double kForks = 0.1;
 constexpr double kFewForks = 2;
-constexpr double kWide = 0.5;  // of the tolerance: a spread that leaves too little room
+// Of the tolerance. Two states that are off by so much, to either side, are a whole tolerance
+// apart: merge would take the same state for two levels.
+constexpr double kWide = 0.5;
 
 bool are_few(const Findings& found) {
   return static_cast<double>(found.offenders) <=
