@@ -72,20 +72,8 @@ std::vector<PathTick> parse_path(std::string_view text, const std::string& name)
   return ticks;
 }
 
-PathDevice PathDevice::open(const std::string& file) {
-  return PathDevice(parse_path(read_text(file, kMaxBytes), file == "-" ? "standard input" : file));
-}
-
-DeviceStatus PathDevice::read(DeviceInput& input) noexcept {
-  if (next_ == ticks_.size()) return DeviceStatus::kEnd;
-  const PathTick& tick = ticks_[next_++];
-  input = {.position = tick.x, .next = tick.next};
-  return DeviceStatus::kOk;
-}
-
-DeviceStatus PathDevice::send(const Vec3& force) noexcept {
-  force_ = force;
-  return DeviceStatus::kOk;
+std::vector<PathTick> read_path(const std::string& file) {
+  return parse_path(read_text(file, kMaxBytes), file == "-" ? "standard input" : file);
 }
 
 }  // namespace hapgrid

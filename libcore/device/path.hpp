@@ -1,13 +1,12 @@
-// A device that moves the HIP through the positions of a text. It has no force.
+// Positions as a text.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
-#include "libcore/device/device.hpp"
+#include "libcore/grid/vec3.hpp"
 
 namespace hapgrid {
 
@@ -30,28 +29,7 @@ std::optional<PathTick> parse_tick(std::string_view line);
 /// @throw Error "NAME: line N: ..." for any other text, or when there is no position.
 std::vector<PathTick> parse_path(std::string_view text, const std::string& name);
 
-/// Each read() gives the next position, however late it comes.
-class PathDevice : public Device {
- public:
-  explicit PathDevice(std::vector<PathTick> ticks) : ticks_(std::move(ticks)) {}
-
-  /// Reads a whole file, "-" for standard input. @throw Error; std::system_error
-  static PathDevice open(const std::string& file);
-
-  std::size_t size() const { return ticks_.size(); }
-  /// The force that was sent last.
-  const Vec3& force() const { return force_; }
-
-  DeviceInfo info() const override { return {.name = "path"}; }
-  DeviceStatus read(DeviceInput& input) noexcept override;
-  DeviceStatus send(const Vec3& force) noexcept override;
-  DeviceStatus stop() noexcept override { return send({0, 0, 0}); }
-  std::string error() const override { return "a path does not fail"; }
-
- private:
-  std::vector<PathTick> ticks_;
-  std::size_t next_ = 0;
-  Vec3 force_{0, 0, 0};
-};
+/// Of a whole file, "-" for standard input. @throw Error; std::system_error
+std::vector<PathTick> read_path(const std::string& file);
 
 }  // namespace hapgrid

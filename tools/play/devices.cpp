@@ -89,10 +89,13 @@ HipRange hip_range(const PlaySettings& settings, const Box& box) {
 }
 
 OpenDevice open_path(const std::string& file) {
-  // new: a device is not moved, and open() makes it in place.
-  auto path = std::unique_ptr<PathDevice>(new PathDevice(PathDevice::open(file)));
-  const std::size_t ticks = path->size();
-  return {.device = std::move(path), .ticks = ticks, .session = {}};
+  std::vector<DeviceInput> ticks;
+  for (const PathTick& tick : read_path(file))
+    ticks.push_back({.position = tick.x, .next = tick.next});
+  const std::size_t count = ticks.size();
+  return {.device = std::make_unique<ReplayDevice>(std::move(ticks), "path"),
+          .ticks = count,
+          .session = {}};
 }
 
 OpenDevice open_replay(const std::string& file, double text_rate_hz) {

@@ -1,7 +1,6 @@
 #include "libcore/device/path.hpp"
 
 #include "tests/unit/catch.hpp"
-#include "tests/unit/count_allocations.hpp"
 #include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;
@@ -27,10 +26,4 @@ TEST_CASE("a number that is none is named with its line") {
       {std::string("1 2 3\0", 6), "line 1: '3 ' is not a number"}};
   for (const auto& wrong : cases)
     CHECK(testing::refusal([&] { parse_path(wrong.first, "p.txt"); }) == "p.txt: " + wrong.second);
-}
-
-TEST_CASE("a path's read() and send() do not allocate") {
-  PathDevice device(std::vector<PathTick>(1000, PathTick{{1, 2, 3}, true}));
-  CHECK(testing::ticks_without_allocating(device, 1001) == 1000);
-  CHECK(device.stop() == DeviceStatus::kOk);
 }
