@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "libcore/base/error.hpp"
@@ -25,6 +26,13 @@ static_assert(std::endian::native == std::endian::little,
 
 /// A message with its segment table, aligned as Cap'n Proto wants it.
 using MessageWords = std::vector<std::uint64_t>;
+
+/// @param what it is, for the message @throw FormatError when it is longer than `limit` bytes
+inline std::string get_text(capnp::Text::Reader in, std::size_t limit, const char* what) {
+  if (in.size() > limit)
+    throw FormatError(format("{} of {} bytes, the limit is {}", what, in.size(), limit));
+  return std::string(in.begin(), in.size());
+}
 
 /// Builds a message with `fill(Root::Builder)` into `message`.
 /// @param words that it needs, without the segment table; a guess that is too small costs time only

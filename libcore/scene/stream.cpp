@@ -47,23 +47,13 @@ void set_vector(scene_schema::Vector::Builder out, const Vec3& v) {
 
 Vec3 get_vector(scene_schema::Vector::Reader in) { return {in.getX(), in.getY(), in.getZ()}; }
 
-void check_text(std::size_t bytes, const char* what) {
-  if (bytes > kMaxText)
-    throw FormatError(format("{} of {} bytes, the limit is {}", what, bytes, kMaxText));
-}
-
-std::string get_text(capnp::Text::Reader in, const char* what) {
-  check_text(in.size(), what);
-  return std::string(in.begin(), in.size());
-}
-
 Sphere decode_sphere(schema::Sphere::Reader in) {
   Sphere sphere = get_sphere(in);
   if (!std::isfinite(sphere.radius) || sphere.radius < 0)
     throw FormatError("a radius is negative or not finite");
   for (const float part : sphere.colour)
     if (!(part >= 0 && part <= 1)) throw FormatError("a colour is not in [0, 1]");
-  check_text(sphere.label.size(), "a label");
+  get_text(in.getLabel(), kMaxText, "a label");
   return sphere;
 }
 
@@ -85,10 +75,10 @@ Scene decode_scene(scene_schema::Scene::Reader in) {
     throw FormatError(format("format version {}, this program reads version {}", in.getVersion(),
                              kFormatVersion));
   Scene scene;
-  scene.model = get_text(in.getModel(), "a model's name");
-  scene.length_unit = get_text(in.getLengthUnit(), "a unit");
-  scene.energy_unit = get_text(in.getEnergyUnit(), "a unit");
-  scene.keys = get_text(in.getKeys(), "a line about keys");
+  scene.model = get_text(in.getModel(), kMaxText, "a model's name");
+  scene.length_unit = get_text(in.getLengthUnit(), kMaxText, "a unit");
+  scene.energy_unit = get_text(in.getEnergyUnit(), kMaxText, "a unit");
+  scene.keys = get_text(in.getKeys(), kMaxText, "a line about keys");
   scene.box = get_box(in.getBox());
   scene.state_size = in.getStateSize();
   if (scene.state_size == 0 || scene.state_size > kMaxStateSize)
@@ -109,7 +99,7 @@ Scene decode_scene(scene_schema::Scene::Reader in) {
         format("{} torsions; {} are possible", in.getTorsions().size(), kMaxTorsions));
   for (const auto torsion : in.getTorsions()) {
     scene.torsions.push_back({{torsion.getA(), torsion.getB(), torsion.getC(), torsion.getD()},
-                              get_text(torsion.getName(), "a torsion's name")});
+                              get_text(torsion.getName(), kMaxText, "a torsion's name")});
     for (const std::uint32_t sphere : scene.torsions.back().spheres)
       if (sphere >= scene.spheres.size())
         throw FormatError(format("a torsion of sphere {}, which is not there", sphere));

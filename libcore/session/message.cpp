@@ -26,12 +26,6 @@ Message build(std::size_t words, Fill&& fill) {
   return message;
 }
 
-std::string get_text(capnp::Text::Reader in, std::size_t limit, const char* what) {
-  if (in.size() > limit)
-    throw FormatError(format("{} of {} bytes, the limit is {}", what, in.size(), limit));
-  return std::string(in.begin(), in.size());
-}
-
 void check_text(const std::string& text, std::size_t limit, const char* what) {
   if (text.size() > limit)
     throw Error(format("{} of {} bytes, the limit is {}", what, text.size(), limit));
