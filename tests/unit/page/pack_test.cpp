@@ -90,7 +90,7 @@ TEST_CASE("levels, links, forces and energies come back, and places to a part of
 
 TEST_CASE("the hand begins where no force acts, to the left, and else in the middle") {
   // Force only where x = 0 has none: that is the plane of the third points.
-  const Grid grid = two_branches({7, 5, 6}, false, true);
+  const Grid grid = two_branches({7, 5, 6}, true);
   const PackedGrid packed = pack_grid(grid, "grid", kNoModel);
   CHECK(std::abs(packed.first.position[0]) < 1e-12);
   CHECK(packed.first.position[1] == Approx(0.5));
