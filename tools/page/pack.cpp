@@ -95,7 +95,7 @@ Vec3 free_place(const Grid& grid, const RecordFields& fields, double largest) {
     for (std::uint64_t p = 0; p < box.points(); ++p) {
       const auto point = static_cast<PointIndex>(p);
       const RecordIndex first = grid.first(point);
-      if (grid.levels(point) != 1 || length_of(fields.force[first]) > weak) continue;
+      if (length_of(fields.force[first]) > weak) continue;
       const Vec3 x = box.position(point);
       const double away = length_of(x - wanted);
       if (away >= least) continue;

@@ -6,6 +6,7 @@ needs autodock4 autodock
 needs autogrid4 autogrid
 needs obabel openbabel
 needs vina autodock-vina
+needs node nodejs
 needs_python scipy python3-scipy
 host=$HAPGRID_SOURCE/examples/docking/calix.mol2 ligand=$HAPGRID_SOURCE/examples/docking/formamide.mol2
 
@@ -19,9 +20,14 @@ hapgrid dock "$host" "$ligand" -o coarse --centre 0,0,2.5 --size 0.5,0.5,0.5 --m
 # Above the cavity, where few orientations are minima.
 hapgrid dock "$host" "$ligand" -o small --centre 0,0,4 --size 1.6,1.6,1.6 --spacing 0.8 --map-spacing 0.375 -q >line
 same 'the line to feel it' 'hapgrid feel small/small.grid' "$(cat line)"
-for made in index.html poses.tsv path.txt inside.png outside.png energy.png force.png played.html verify.txt; do
+for made in index.html feel.html poses.tsv path.txt inside.png outside.png energy.png force.png played.html verify.txt; do
   [[ -s small/$made ]] || fail "small/$made is not there"
 done
+# Its page plays it, though a state has an orientation: each number is that of play.
+player=$HAPGRID_SOURCE/tests/cli/view/player.mjs turn=$RANDOM
+node "$player" draw $turn small/feel.html >hand
+play small/small.grid --device path:hand --beside off --log hand.log 2>/dev/null
+node "$player" compare small/feel.html hand hand.log || fail "seed $turn"
 check-model small/small.toml --steps 50 >report || fail "$(cat report)"
 
 # Records that are far apart do not tell the force between them, so that verify cannot prove all.
