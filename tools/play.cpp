@@ -32,6 +32,7 @@
 #include "tools/common/terminal_turn.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/play/beside.hpp"
+#include "tools/play/bring_up.hpp"
 #include "tools/play/devices.hpp"
 #include "tools/play/list_devices.hpp"
 #include "tools/play/log.hpp"
@@ -237,11 +238,24 @@ void apply_file(PlayOptions& options) {
   if (!options.axes) options.axes = read_axes(file.axes);
 }
 
+/// Opens a device. Where that fails, it says which permissions lack.
+ProcessDevice open_alone(const PlayOptions& options) {
+  try {
+    return ProcessDevice(adapter_program(std::get<AdapterChoice>(*options.device),
+                                         given_settings(options), options.rate_hz));
+  } catch (const DeviceError&) {
+    for (const std::string& help : permissions_lacking()) say("play", help);
+    throw;
+  }
+}
+
 /// Looks at a device without a grid.
 int try_it(const PlayOptions& options) {
   const CaughtSignals signals;
-  ProcessDevice device(adapter_program(std::get<AdapterChoice>(*options.device),
-                                       given_settings(options), options.rate_hz));
+  ProcessDevice device = open_alone(options);
+  // A person at the terminal can answer questions.
+  if (::isatty(STDIN_FILENO) && ::isatty(STDERR_FILENO) && options.duration_s == 0)
+    return bring_up(device, options.device_text, options.rate_hz);
   return try_device(device, options.rate_hz, options.duration_s);
 }
 
@@ -383,8 +397,9 @@ int main(int argc, char** argv) {
       "  spacemouse[:WHICH]  a SpaceMouse, which moves the HIP but cannot show forces\n"
       "  process:COMMAND   an adapter program, for a device with its maker's library\n"
       "WHICH is a path, VID:PID, VID:PID:SERIAL or serial number; --list-devices has\n"
-      "the text for each device. Without GRID, play shows where one of the last four\n"
-      "is, and sends no force.\n"
+      "the text for each device. Without GRID, at a terminal, play brings one of the\n"
+      "last four up: it finds axes, signs, encoder and delay, and pushes with 0.1 N at\n"
+      "most if you say yes. It writes a file for --config to standard output.\n"
       "\n"
       "Settings for --set and for the table [play] of --config:\n" +
           settings_help() +

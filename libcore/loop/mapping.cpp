@@ -105,19 +105,25 @@ Vec3 Mapping::place(const Vec3& device) const noexcept {
   return scale_ * turned(device) + shift_;
 }
 
-Vec3 Mapping::to_device(const Vec3& force) const noexcept {
-  if (unit_ == DeviceInfo::Unit::kModel) return force;
+Vec3 Mapping::turned_back(const Vec3& box) const noexcept {
   Vec3 out{0, 0, 0};
   for (int a = 0; a < 3; ++a)
     for (int b = 0; b < 3; ++b)
-      if (options_.axes[a][b] != 0) out[b] = options_.axes[a][b] * force[a];
+      if (options_.axes[a][b] != 0) out[b] = options_.axes[a][b] * box[a];
+  return out;
+}
+
+Vec3 Mapping::to_device(const Vec3& force) const noexcept {
+  if (unit_ == DeviceInfo::Unit::kModel) return force;
+  Vec3 out = turned_back(force);
+  for (int a = 0; a < 3; ++a) out[a] *= options_.push[a];
   return out;
 }
 
 Vec3 Mapping::handle(const Vec3& hip) const noexcept {
   Vec3 hand;
   for (int a = 0; a < 3; ++a) hand[a] = (hip[a] - shift_[a]) / scale_;
-  return to_device(hand);
+  return unit_ == DeviceInfo::Unit::kModel ? hand : turned_back(hand);
 }
 
 double Mapping::outside_cells(const Vec3& hip) const noexcept {

@@ -22,6 +22,8 @@ struct MappingOptions {
   std::array<Vec3, 3> axes{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
   /// Where the middle of the device's reach lies, from the middle of the box, in model's units.
   Vec3 offset{0, 0, 0};
+  /// Signs of the force along the device's axes: -1 where the device pushes the wrong way.
+  Vec3 push{1, 1, 1};
   /// Speed of a steered HIP at full deflection, in model units a second; 0: the longest side of the
   /// box in four seconds.
   double speed = 0;
@@ -49,6 +51,7 @@ class Mapping {
 
  private:
   Vec3 turned(const Vec3& device) const noexcept;
+  Vec3 turned_back(const Vec3& box) const noexcept;
 
   MappingOptions options_;
   DeviceInfo::Unit unit_;

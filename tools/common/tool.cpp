@@ -42,7 +42,8 @@ int report(const std::string& tool, const std::string& message, int code) {
 }  // namespace
 
 void say(const std::string& tool, const std::string& text) {
-  std::fprintf(stderr, "%s: %s\n", tool.c_str(), printable_line(text, text.npos).c_str());
+  constexpr std::size_t kMost = 5000;  // bytes: the longest path fits, and no key of a megabyte
+  std::fprintf(stderr, "%s: %s\n", tool.c_str(), printable_line(text, kMost).c_str());
 }
 
 void give_up_unread_messages() {

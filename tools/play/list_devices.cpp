@@ -64,14 +64,13 @@ struct Row {
   std::string device, feels, name;
 };
 
-}  // namespace
+fs::path adapters_folder() { return fs::read_symlink("/proc/self/exe").parent_path(); }
 
-std::string devices_table() {
-  const fs::path folder = fs::read_symlink("/proc/self/exe").parent_path();
-  std::vector<Row> rows{{"--device", "feels", "name"}};
-  std::set<std::string> helps;
+/// What our adapters find. @param helps gets what keeps the user from opening devices
+std::vector<Row> found(std::set<std::string>& helps) {
+  std::vector<Row> rows;
   for (const char* adapter : {"hapgrid-hid", "hapgrid-spacemouse", "hapgrid-evdev"}) {
-    std::istringstream lines(list_of(folder / adapter));
+    std::istringstream lines(list_of(adapters_folder() / adapter));
     for (std::string line; std::getline(lines, line);) {
       std::istringstream fields(line);
       Row row;
@@ -84,6 +83,22 @@ std::string devices_table() {
       rows.push_back(std::move(row));
     }
   }
+  return rows;
+}
+
+}  // namespace
+
+std::set<std::string> permissions_lacking() {
+  std::set<std::string> helps;
+  found(helps);
+  return helps;
+}
+
+std::string devices_table() {
+  const fs::path folder = adapters_folder();
+  std::vector<Row> rows{{"--device", "feels", "name"}};
+  std::set<std::string> helps;
+  for (Row& row : found(helps)) rows.push_back(std::move(row));
   const bool has_hardware = rows.size() > 1;
   std::error_code none;
   std::set<std::string> adapters;

@@ -1,6 +1,7 @@
 // play --list-devices.
 #pragma once
 
+#include <set>
 #include <string>
 
 namespace hapgrid {
@@ -9,5 +10,7 @@ namespace hapgrid {
 /// this program, as a table that begins with the text for --device. What keeps the user from
 /// opening a device stands below it, a line each.
 std::string devices_table();
+/// The last part of it: what keeps the user from opening devices.
+std::set<std::string> permissions_lacking();
 
 }  // namespace hapgrid

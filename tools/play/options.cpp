@@ -11,12 +11,15 @@ namespace {
 
 void add_device_options(CommandLine& app, PlayOptions& options) {
   app.add("grid", options.grid,
-          "Complete grid to play ('-': standard input). Without it, an adapter's device is only "
-          "looked "
-          "at.")
+          "Complete grid to play ('-': standard input). Without it, an adapter's device is brought "
+          "up.")
       .type("GRID");
   app.add(
-         "--device", [&](const std::string& name) { options.device = parse_device(name); },
+         "--device",
+         [&](const std::string& name) {
+           options.device = parse_device(name);
+           options.device_text = name;
+         },
          "Device that moves the hand; the list below has all.")
       .type("DEVICE");
   app.add(
@@ -106,7 +109,7 @@ void add_play_options(CommandLine& app, PlayOptions& options) {
   add_output_options(app, options);
   add_force_options(app, options);
   app.option("--realtime").needs_one_of({"grid", "--selftest"});
-  // Without a grid a device is only looked at.
+  // Without a grid a device is brought up, or only looked at.
   for (const char* const of_play :
        {"--traversal", "--beside", "--model-path", "--allow-process", "--log", "--frames",
         "--report", "--sessions", "--axes", "--config", "--gain", "--max-force", "--scale"})

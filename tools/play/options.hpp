@@ -15,7 +15,8 @@ namespace hapgrid {
 struct PlayOptions {
   std::string grid;
   std::optional<DeviceChoice> device;
-  double rate_hz = 0;  ///< 0: kDefaultRateHz for a live device, no pace for a scripted one
+  std::string device_text;  ///< its name, as it was given
+  double rate_hz = 0;       ///< 0: kDefaultRateHz for a live device, no pace for a scripted one
   std::optional<TraversalRule> traversal;
   std::optional<std::string> beside;     ///< is_beside()
   double duration_s = 0;                 ///< 0: until the device ends

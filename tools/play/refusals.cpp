@@ -35,7 +35,7 @@ void check_files(const PlayOptions& options) {
 
 void require_possible(const PlayOptions& options) {
   const bool has_adapter = options.device && std::holds_alternative<AdapterChoice>(*options.device);
-  // Without a grid, a device is only looked at.
+  // Without a grid, a device is brought up.
   if (options.grid.empty() && !has_adapter) throw UsageError("grid is required");
   if (!options.device) throw UsageError("--device is required");
   check_files(options);

@@ -17,7 +17,6 @@ namespace hapgrid {
 
 namespace {
 
-constexpr double kMostHz = 1000;
 constexpr double kLineSeconds = 0.5, kScreenSeconds = 0.05;  // between two lines
 
 /// "x -80 to 80 mm, ...", or which axes steer.
@@ -34,11 +33,7 @@ std::string ranges_text(const DeviceInfo& info) {
 
 std::string input_text(const DeviceInfo& info, const DeviceInput& input, double answers_hz) {
   const bool steers = info.unit == DeviceInfo::Unit::kRate;
-  std::string text;
-  for (int a = 0; a < 3; ++a)
-    if (info.low[a] != info.high[a])
-      text += steers ? format("{} {:6.1f} %  ", "xyz"[a], 100 * input.rate[a])
-                     : format("{} {:7.2f} mm  ", "xyz"[a], 1000 * input.position[a]);
+  std::string text = place_text(info, steers ? input.rate : input.position);
   text += format("{:5.0f} answers/s", answers_hz);
   if (input.clutch) text += "  clutch";
   if (input.reset) text += "  button";
@@ -49,14 +44,28 @@ std::string input_text(const DeviceInfo& info, const DeviceInput& input, double 
 
 }  // namespace
 
+std::string place_text(const DeviceInfo& info, const Vec3& place) {
+  const bool steers = info.unit == DeviceInfo::Unit::kRate;
+  std::string text;
+  for (int a = 0; a < 3; ++a)
+    if (info.low[a] != info.high[a])
+      text += steers ? format("{} {:6.1f} %  ", "xyz"[a], 100 * place[a])
+                     : format("{} {:7.2f} mm  ", "xyz"[a], 1000 * place[a]);
+  return text;
+}
+
+std::string device_text(const ProcessDevice& device) {
+  const DeviceInfo info = device.info();
+  const std::string force = info.max_force > 0 ? format("it can hold {} N", rounded(info.max_force))
+                                               : std::string("it has no force");
+  return format("{}: {}; {} forces/s at most; {}", info.name, ranges_text(info),
+                rounded(device.rate_hz()), force);
+}
+
 int try_device(ProcessDevice& device, double rate_hz, double duration_s) {
   const DeviceInfo info = device.info();
-  const double rate = rate_hz > 0 ? rate_hz : std::min(device.rate_hz(), kMostHz);
-  const std::string force = info.max_force > 0
-                                ? format("it can hold {} N, and gets none", rounded(info.max_force))
-                                : std::string("it has no force");
-  say("play", format("{}: {}; {} forces/s at most; {}", info.name, ranges_text(info),
-                     rounded(device.rate_hz()), force));
+  const double rate = rate_hz > 0 ? rate_hz : std::min(device.rate_hz(), kMostTriedHz);
+  say("play", device_text(device) + (info.max_force > 0 ? ", and gets none" : ""));
   const bool on_screen = ::isatty(STDOUT_FILENO);
   const double every = std::max(1.0, rate * (on_screen ? kScreenSeconds : kLineSeconds));
   Clock clock;

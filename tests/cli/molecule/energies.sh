@@ -71,7 +71,8 @@ molecule-check two/two.toml >sane || fail "$(cat sane)"
 within "cis" "$(awk -F'\t' '$1 == "H3-O1-O2-H4-minus" { print $3 }' two/report.tsv)" 19.5 20
 within "the old conformation" "$(awk -F'\t' '$1 == "H3-O1-O2-H4-plus" { print $3 }' two/report.tsv)" 15 16
 
-# A program that fails, or prints no energy.
+# A program that fails, or prints no energy. A file here that is called like one does not run.
+touch false echo
 refuses 'molecule: --single-points: false ended with 1: ' -- hapgrid molecule "${points[@]}" --single-points false
 refuses "molecule: --single-points: the last line of echo is 'about node\.xyz', and not an energy in hartree" -- \
   hapgrid molecule "${points[@]}" --single-points 'echo about'

@@ -53,6 +53,16 @@ TEST_CASE("axes, scale and offset; a force does the work that the hand does") {
   }
 }
 
+TEST_CASE(
+    "a device that pushes the wrong way along its y gets that force turned around, and nothing "
+    "else") {
+  MappingOptions options{.scale = 7, .axes = {Vec3{0, 0, -1}, Vec3{1, 0, 0}, Vec3{0, 1, 0}}};
+  options.push = {1, -1, 1};
+  const Mapping mapping(options, held({-1, -1, -1}, {1, 1, 1}), kBox);
+  CHECK(mapping.to_device({1, 2, 4}) == Vec3{2, -4, -1});
+  CHECK(mapping.place(mapping.handle({1, 2, 3})) == Vec3{1, 2, 3});
+}
+
 TEST_CASE("the clutch moves the handle without the HIP, as often as one likes") {
   Mapping mapping({.scale = 10}, held({-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}), kBox);
   Vec3 hip = at(mapping, {0, 0, 0});

@@ -1,0 +1,5 @@
+# The bring-up of a device, with a person at a pseudo-terminal: what it finds of a device that is not as it says, and that
+# every way out of it ends with zero force.
+source "$(dirname "$0")/../lib.sh"
+stuck_grid 0
+in_time "$work/errors" python3 "$here/bring_up.py" "$HAPGRID_BUILD/tests/plugins" "$work/errors"
