@@ -115,8 +115,8 @@ TEST_CASE("a held atom leads dichloroethane over its barrier and back, and what 
                                                    {"hold", std::vector<double>{4}},
                                                    {"hold_width", 0.5},
                                                    {"fixed", std::vector<double>{1, 2, 5, 6}},
-                                                   {"shift_stiffness", 200.0},
-                                                   {"rotation_stiffness", 500.0}});
+                                                   {"shift_stiffness", 1000.0},
+                                                   {"rotation_stiffness", 5000.0}});
   std::vector<float> centres(24);
   const auto place = [&](double t) {  // of the chlorine atom, where the shape is this one
     State s(7);

@@ -35,8 +35,9 @@ def write(start, turned, ways):
     for name, column, label in CURVES:
         run("plot", "columns", "played.log", "--y", column, "--labels", f"time / s,{label}", "-o", name)
     log = read_log(kept.read("played.log"))
-    x, y = (log[a][len(log[a]) // 2] - log[a][0] for a in "xy")
-    azimuth = f"{np.degrees(np.arctan2(y, x)):.0f}"  # from which the probe comes from the left
+    x, y = (log[a] - log[a][0] for a in "xy")
+    far = int((x**2 + y**2).argmax())
+    azimuth = f"{np.degrees(np.arctan2(y[far], x[far])):.0f}"  # from which the probe comes from the left
     run("view", "played.frames", "--azimuth", azimuth, "--elevation", "10", "--html", "played.html")
     felt = kept.feel_page(f"{kept.name()}.grid")
     kept.write("index.html", page(start, turned, ways, felt))
@@ -73,7 +74,8 @@ def page(start, turned, ways, felt):
                 "torsions": [[t.name, *t.atoms, t in turned] for t in start.turning]}
     parts = {
         "TITLE": html.escape(start.source), "HEAD": formula(start.molecule.formula),
-        "SAID": html.escape(kept.read(ways[0]).split("\n", 1)[0].lstrip("# ")),
+        "SAID": html.escape("" if turned else choice.nothing_turns(kept) + ". ")
+                + html.escape(kept.read(ways[0]).split("\n", 1)[0].lstrip("# ")),
         "FACTS": "".join(f"<dt>{key}<dd>{value if key == 'Formula' else html.escape(value)}"
                          for key, value in facts.items() if value),
         "FEEL": FEEL if felt else "", "GRID": html.escape(shlex.quote(f"{name}.grid")), "WAY": html.escape(shlex.quote(f"path:{ways[0]}")),
