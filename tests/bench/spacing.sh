@@ -31,7 +31,7 @@ rows() { # MOLECULE SPACING...
   local spacing definition options
   for spacing in "${@:2}"; do
     if [[ -n ${smiles[$1]-} ]]; then
-      hapgrid molecule --smiles "${smiles[$1]}" --spacing "$spacing" --until definition -j 2 -q -o "$1" >/dev/null
+      hapgrid molecule --push --smiles "${smiles[$1]}" --spacing "$spacing" --until definition -j 2 -q -o "$1" >/dev/null
       row "$1, $spacing Å" "$1/$1.toml"
     else
       definition=$HAPGRID_SOURCE/examples/molecule/$1/$1.toml

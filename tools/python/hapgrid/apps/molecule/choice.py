@@ -96,4 +96,6 @@ def nothing_turns(kept):
     why = {}
     for row in files.rows(kept, "rotors.tsv", ROTORS):
         why.setdefault(row["why"], []).append(row["path"])
+    if not why:
+        return "NOTHING TURNS in this grid: the molecule has no bond that could"
     return "NOTHING TURNS in this grid" + "".join(f"; {', '.join(names)}: {text}" for text, names in why.items())

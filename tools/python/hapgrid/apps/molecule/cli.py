@@ -29,7 +29,7 @@ With --push it pushes at the molecule with a ball instead.
 
 AFTERWARDS = f"""\
 Files in DIR, where NAME is the folder's name when it was new:
-  index.html       summary, and the molecule as it is pushed
+  index.html       summary, and the molecule as the hand moves it
   rotors.tsv       the bonds that were tried, taken and left out, and why
   NAME.toml        definition of the grid; NAME.grid is the grid itself
   verify.txt       report of verify
@@ -44,7 +44,7 @@ same molecule gives the same grid on each machine.
 
 examples:
   hapgrid molecule ibuprofen.sdf -o ibuprofen -j 2
-  hapgrid molecule --smiles 'CC(C)O' -o propanol
+  hapgrid molecule --smiles ClCCCl -o dichloroethane
   hapgrid molecule loop.pdb -o loop --keep-conformation --until definition
 """
 

@@ -224,7 +224,7 @@ def grid_fault(start, definition, look_for_room):
     toml, made = f"{name}.toml", f"{name}.grid"
 
     def compute():
-        what = f"computing {made}, how the molecule yields at each place of the probe"
+        what = f"computing {made}, how the molecule yields at each place of the hand"
         return computed(start, what, name, definition.seconds, look_for_room) or [made, f"{made}.cost"]
     fault = kept.step("grid", "", [toml, "conformation.xyz", *(path + ".xyz" for path in definition.paths)], [], compute)
     if fault is not None:

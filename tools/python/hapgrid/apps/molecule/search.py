@@ -28,7 +28,7 @@ def _ask(question):
             return Dropped(str(why), isinstance(why, optimise.TurnsFreely))
     if kind is None:
         return compute()
-    inputs = [method.__name__, plain(value), _search.x.tolist(), _search.start.options.highest]
+    inputs = [method.__name__, plain(value), _search.x.tolist(), _search.start.options.highest, _search.start.options.push]
     return _search.kept([kind, Dropped], inputs, compute)
 
 
