@@ -115,7 +115,7 @@ hapgrid molecule --push --smiles OO -o peroxide --method gfnff --spacing 1.5 --h
 grep -q 'left out: H3-O1-O2-H4-plus, H3-O1-O2-H4-minus: still climbing at 2 kJ/mol' log || fail "$(cat log)"
 grep -qx 'NOTHING TURNS in this grid; H3-O1-O2-H4-plus, H3-O1-O2-H4-minus: still climbing at 2 kJ/mol' <(head -n 1 line) ||
   fail "$(cat line)"
-grep -q '<p>NOTHING TURNS in this grid; .*: still climbing at 2 kJ/mol. ' peroxide/index.html || fail "the page does not begin with it"
+grep -q '<p>NOTHING TURNS in this grid; .*: still climbing at 2 kJ/mol\.' peroxide/index.html || fail "the page does not begin with it"
 # Before that stands how long it takes, with the cores for which this holds.
 grep -qE 'about [0-9.]+ (s|min|h) on a free core for conformation and barriers' log || fail "$(cat log)"
 grep -q '<td>H3-O1-O2-H4-plus<td>.*<td>still climbing at 2 kJ/mol' peroxide/index.html || fail "the page does not say why"

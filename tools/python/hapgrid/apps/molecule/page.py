@@ -17,7 +17,7 @@ from .xyz import frames, frames_of
 ALL_BONDS = 4 | 8  # of RDKit: bonds between all atoms, each once
 CURVES = (("energy.png", "own_energy", "energy of the molecule / (kJ/mol)"), ("force.png", "sent", "force on the hand / N"))
 METHODS = {"gfn2": "GFN2-xTB", "gfnff": "GFN-FF"}
-FEEL = """<p><a href="feel.html">Push the molecule with the mouse or a finger</a>: this page needs neither hapgrid nor a
+FEEL = """<p><a href="feel.html">Move the molecule with the mouse or a finger</a>: this page needs neither hapgrid nor a
 network, and can be sent to others."""
 SPINS = ("singlet", "doublet", "triplet", "quartet", "quintet")
 
@@ -74,11 +74,10 @@ def page(start, turned, ways, felt):
                 "torsions": [[t.name, *t.atoms, t in turned] for t in start.turning]}
     parts = {
         "TITLE": html.escape(start.source), "HEAD": formula(start.molecule.formula),
-        "SAID": html.escape("" if turned else choice.nothing_turns(kept) + ". ")
-                + html.escape(kept.read(ways[0]).split("\n", 1)[0].lstrip("# ")),
+        "SAID": html.escape(kept.read(ways[0]).split("\n", 1)[0].lstrip("# ")),
         "FACTS": "".join(f"<dt>{key}<dd>{value if key == 'Formula' else html.escape(value)}"
                          for key, value in facts.items() if value),
-        "FEEL": FEEL if felt else "", "GRID": html.escape(shlex.quote(f"{name}.grid")), "WAY": html.escape(shlex.quote(f"path:{ways[0]}")),
+        "FEEL": ("" if turned else f"<p>{html.escape(choice.nothing_turns(kept))}.") + (FEEL if felt else ""), "GRID": html.escape(shlex.quote(f"{name}.grid")), "WAY": html.escape(shlex.quote(f"path:{ways[0]}")),
         "TOML": html.escape(f"{name}.toml"), "TABLE": barriers(kept), "METHOD": html.escape(method),
         "MOLECULE": json.dumps(molecule).replace("<", "\\u003c"), "VERIFY": html.escape(kept.read("verify.txt"))}
     return re.sub("@([A-Z]+)@", lambda found: parts[found[1]], TEMPLATE)
