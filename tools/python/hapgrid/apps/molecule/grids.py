@@ -28,7 +28,7 @@ ROOM, RULE = "room", "rule"
 # What else is wrong with a grid, and what that means for its stiffest path: why expand cannot compute it, by the word that
 # it writes to the file of --cost, or that verify finds it broken where the anchors cannot be softer.
 HOPELESS = {"levels": f"with it a point has more than {MAX_LEVELS} states",
-            "model": "with it the molecule does not come to rest", RULE: "with it the grid breaks the rule {}: see {}"}
+            "model": "with it the molecule does not come to rest", RULE: "with it the grid breaks {}: see {}"}
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Fault:
     kind: str
     text: str
     sides: tuple = ()
-    rule: str = ""  # that verify finds broken
+    rule: str = ""  # that verify finds broken, in words
 
 
 @dataclass(frozen=True)
@@ -237,6 +237,6 @@ def grid_fault(start, definition, look_for_room):
         if fine:
             return ["verify.txt"]
         broken = re.findall(r"^(\S+) .* (?:broken|BROKEN)$", kept.read("verify.txt"), re.M)
-        rule = " and ".join(broken)
-        return Fault(RULE, f"{made} breaks the rule {rule}: see {kept.path('verify.txt')}", rule=rule)
+        rule = "the rule " + " and ".join(broken) if broken else "a rule"
+        return Fault(RULE, f"{made} breaks {rule}: see {kept.path('verify.txt')}", rule=rule)
     return kept.step("verify", title, [made], [], verify)
