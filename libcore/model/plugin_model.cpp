@@ -2,6 +2,7 @@
 
 #include <dlfcn.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -120,6 +121,9 @@ ModelInfo info_of(const hapgrid_model_table& table, const hapgrid_model* model,
     table.periods(model, info.equality.periods.data());
     if (!info.equality.fits_periods(in.state_size))
       throw ModelError("a period is negative, or an orientation has not six components");
+    std::vector<double>& periods = info.equality.periods;
+    if (std::all_of(periods.begin(), periods.end(), [](double p) { return p == 0; }))
+      periods.clear();  // as of a model that has no such function
   }
   if (table.shape) {
     require_possible_shape(in.spheres);

@@ -25,7 +25,7 @@ rows() { # MOLECULE SPACING...
   for spacing in "${@:2}"; do
     if [[ -n ${smiles[$1]-} ]]; then
       unit=Å
-      hapgrid molecule --smiles "${smiles[$1]}" --spacing "$spacing" --until definition -j 2 -q -o "$1" >/dev/null
+      hapgrid molecule --push --smiles "${smiles[$1]}" --spacing "$spacing" --until definition -j 2 -q -o "$1" >/dev/null
       search "$1, $spacing Å" "$1/$1.toml"
     else
       definition=$HAPGRID_SOURCE/examples/molecule/$1/$1.toml

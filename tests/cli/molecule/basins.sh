@@ -25,7 +25,7 @@ source "$here/xtb.bash"
 
 # 1,3-Difluoropropane: two equal torsions. Where both are behind a saddle the sum is wrong, so one is left out. The
 # minima and saddles of the other are xtb's, and the probe leads it over a barrier.
-hapgrid molecule --smiles FCCCF --basins --method gfnff --spacing 2 -o fluoro --quiet >line || fail "no grid"
+hapgrid molecule --push --smiles FCCCF --basins --method gfnff --spacing 2 -o fluoro --quiet >line || fail "no grid"
 grep -qP '^C2-C3-C4-F5\t.*\tno\tthe minima at t = .* together are .* kJ/mol by xtb, .* by the sum$' fluoro/rotors.tsv ||
   fail "$(cat fluoro/rotors.tsv)"
 METHOD=(--gfnff)

@@ -3,7 +3,7 @@
 source "$(dirname "$0")/../lib.sh"
 source "$here/xtb.bash"
 
-bad() { refuses "molecule: $1" -- hapgrid molecule "${@:2}" -o bad; }
+bad() { refuses "molecule: $1" -- hapgrid molecule --push "${@:2}" -o bad; }
 bad "SMILES '\[CH3\]': 9 electrons with charge 0 do not go with 0 unpaired ones: give the right --charge, or --uhf 1 for a radical" \
   --smiles '[CH3]'
 bad "SMILES 'C\[Zn\]C': Zn2: only molecules of H He B .* can be felt: take the part without it" --smiles 'C[Zn]C'
@@ -29,18 +29,18 @@ bad "SMILES '\[Na\+\]\.\[Cl-\]': only single atoms or ions, Na\+ with charge \+1
 to feel: give a molecule with bonds" --smiles '[Na+].[Cl-]'
 bad "SMILES 'CCO': 26 electrons with charge 0 do not go with 1 unpaired ones: give the right --charge, or --uhf 1 for a radical" --smiles CCO --uhf 1
 rm -- *.sdf *.xyz obabel.log
-expect 2 '' 'molecule: give either FILE or --smiles (see --help)' -- hapgrid molecule -o bad
+expect 2 '' 'molecule: give either FILE or --smiles (see --help)' -- hapgrid molecule --push -o bad
 nothing_left .
 
 # A flat SDF of a salt: the larger ion is taken, without hydrogens and coordinates as it is.
 obabel -:'CC[O-].[Na+]' -osdf -O salt.sdf 2>obabel.log
 play='hapgrid play salt/salt\.grid --device path:salt/path-H4-C1-C2-O3\.txt --rate 1000 --frames - | hapgrid view --web'
 expect 0 "~${play//|/\\|}" '~.*salt\.sdf: 2 molecules or shapes: the largest is taken, C2H5O- with charge -1; left out: Na\+ with charge \+1.*' -- \
-  hapgrid molecule salt.sdf -o salt --method gfnff --spacing 1.2
+  hapgrid molecule --push salt.sdf -o salt --method gfnff --spacing 1.2
 same "number of paths" 1 "$(ls salt/path-*.txt | wc -l)"
 
 # Ethanol. The committed files' rules hold for it, the energies are those of the program xtb, and the grid is fine.
-line=$(hapgrid molecule --smiles CCO -o ethanol --method gfnff --spacing 1 2>first.err) || fail "$(cat first.err)"
+line=$(hapgrid molecule --push --smiles CCO -o ethanol --method gfnff --spacing 1 2>first.err) || fail "$(cat first.err)"
 python3 "$here/prepared_data.py" ethanol || fail "prepared data"
 METHOD=(--gfnff)
 for name in H4-C1-C2-O3 C1-C2-O3-H9-plus C1-C2-O3-H9-minus; do
@@ -90,12 +90,12 @@ fi
 
 # Trimethylamine by GFN-FF, whose terms at the nitrogen change with the order of its bonds' lengths: the search keeps the
 # terms with which the conformation is a minimum, so the path of each methyl group climbs from there.
-hapgrid molecule --smiles 'CN(C)C' --method gfnff -o amine --until structures --quiet >line 2>&1 || fail "$(cat line)"
+hapgrid molecule --push --smiles 'CN(C)C' --method gfnff -o amine --until structures --quiet >line 2>&1 || fail "$(cat line)"
 python3 "$here/prepared_data.py" amine || fail "prepared data"
 same "paths" 3 "$(grep -cP '\tsaddle\t' amine/report.tsv)"
 
 # Again: nothing is computed. A definition that was changed by hand is kept, and its grid computed.
-salt=(hapgrid molecule salt.sdf -o salt --method gfnff --spacing 1.2)
+salt=(hapgrid molecule --push salt.sdf -o salt --method gfnff --spacing 1.2)
 before=$(stat -c '%n %Y' salt/* | md5sum)
 expect 0 "~${play//|/\\|}" '' -- "${salt[@]}" --quiet
 same "files" "$before" "$(stat -c '%n %Y' salt/* | md5sum)"
@@ -107,12 +107,15 @@ same "penalty" 60.0 "$(stats salt/salt.grid --get parameters.penalty)"
 { obabel -:C -osdf -h --gen3d && obabel -:C#N -osdf -h --gen3d && obabel -:O -osdf -h --gen3d; } >records.sdf 2>obabel.log
 expect 0 '' \
   '~.*records\.sdf: 3 molecules or shapes: the largest is taken, CHN with charge 0; left out: CH4, H2O.*' -- \
-  hapgrid molecule records.sdf -o cyanide --method gfnff --spacing 1.2 --until definition
+  hapgrid molecule --push records.sdf -o cyanide --method gfnff --spacing 1.2 --until definition
 same "state" 6 "$(seed cyanide/cyanide.toml | stats --get state_size)"
 
 # What has no barrier is told with the reason, on the terminal, in rotors.tsv and on the page.
-hapgrid molecule --smiles OO -o peroxide --method gfnff --spacing 1.5 --highest 2 >line 2>log || fail "$(cat log)"
+hapgrid molecule --push --smiles OO -o peroxide --method gfnff --spacing 1.5 --highest 2 >line 2>log || fail "$(cat log)"
 grep -q 'left out: H3-O1-O2-H4-plus, H3-O1-O2-H4-minus: still climbing at 2 kJ/mol' log || fail "$(cat log)"
+grep -qx 'NOTHING TURNS in this grid; H3-O1-O2-H4-plus, H3-O1-O2-H4-minus: still climbing at 2 kJ/mol' <(head -n 1 line) ||
+  fail "$(cat line)"
+grep -q '<p>NOTHING TURNS in this grid; .*: still climbing at 2 kJ/mol\.' peroxide/index.html || fail "the page does not begin with it"
 # Before that stands how long it takes, with the cores for which this holds.
 grep -qE 'about [0-9.]+ (s|min|h) on a free core for conformation and barriers' log || fail "$(cat log)"
 grep -q '<td>H3-O1-O2-H4-plus<td>.*<td>still climbing at 2 kJ/mol' peroxide/index.html || fail "the page does not say why"
@@ -124,10 +127,10 @@ grep -qP '<dt>Formula<dd>H<sub>2</sub>O<sub>2</sub><dt>Charge<dd>0<dt>Spin<dd>si
 anti=$HAPGRID_SOURCE/examples/molecule/dichloroethane/conformation.xyz
 shapes=("$anti" --method gfnff --torsions Cl1-C2-C3-Cl4-plus --until structures)
 expect 0 '' '~.*Cl1-C2-C3-Cl4-plus leads to a minimum that is 0\.6 kJ/mol lower: from there once more.*' -- \
-  hapgrid molecule "${shapes[@]}" -o gauche
+  hapgrid molecule --push "${shapes[@]}" -o gauche
 within "gauche" "$(word gauche/conformation.xyz 1 Cl1-C2-C3-Cl4 | tr -d -)" 60 80
 expect 0 '' '~.*Cl1-C2-C3-Cl4-plus leads to a minimum that is 0\.6 kJ/mol lower.*' -- \
-  hapgrid molecule "${shapes[@]}" --keep-conformation -o anti
+  hapgrid molecule --push "${shapes[@]}" --keep-conformation -o anti
 within "anti" "$(word anti/conformation.xyz 1 Cl1-C2-C3-Cl4)" 180 180
 
 # One way of one bond alone. A file says which of the two mirror images it is: of a drawing, the processor's rounding decides.
@@ -141,8 +144,8 @@ H    -1.0506   -0.8114   -0.2131
 XYZ
 peroxide=(peroxide.xyz --method gfnff --spacing 1.5)
 refuses 'molecule: --torsions: no bond H3-O1-O2-H4-up turns, only H3-O1-O2-H4' -- \
-  hapgrid molecule "${peroxide[@]}" -o oneway --torsions H3-O1-O2-H4-up
-oneway=(hapgrid molecule "${peroxide[@]}" -o oneway --torsions H3-O1-O2-H4-minus)
+  hapgrid molecule --push "${peroxide[@]}" -o oneway --torsions H3-O1-O2-H4-up
+oneway=(hapgrid molecule --push "${peroxide[@]}" -o oneway --torsions H3-O1-O2-H4-minus)
 expect 0 '' '~.*stopped after the structures: the same command without --until goes on' -- "${oneway[@]}" --until structures
 [[ ! -e oneway/oneway.toml ]] || fail "not stopped after the structures"
 expect 0 '' '~.*stopped after the definition: .*' -- "${oneway[@]}" --until definition
@@ -175,5 +178,5 @@ sys.exit(cli.main(["--smiles", "C#N", "-o", "long", "--method", "gfnff", "--unti
 END
 [[ $(cat log) =~ "where that is too long: --spacing "([0-9.]+)" has "([0-9]+)" points and takes about " ]] || fail "$(cat log)"
 spacing=${BASH_REMATCH[1]} points=${BASH_REMATCH[2]}
-hapgrid molecule --smiles C#N -o long --method gfnff --until definition --spacing "$spacing" --quiet
+hapgrid molecule --push --smiles C#N -o long --method gfnff --until definition --spacing "$spacing" --quiet
 same "points with --spacing $spacing" "$points" "$(($(sed -n 's/^counts = \[\(.*\)\]/\1/p' long/long.toml | sed 's/, /*/g')))"

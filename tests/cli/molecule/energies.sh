@@ -11,19 +11,19 @@ H     1.0506    0.8114   -0.2131
 H    -1.0506   -0.8114   -0.2131
 XYZ
 peroxide=(peroxide.xyz --method gfnff -o one --torsions H3-O1-O2-H4-minus)
-hapgrid molecule "${peroxide[@]}" --until definition --quiet >line 2>&1 || fail "$(cat line)"
+hapgrid molecule --push "${peroxide[@]}" --until definition --quiet >line 2>&1 || fail "$(cat line)"
 path=one/H3-O1-O2-H4-minus.xyz
 barrier=$(cut -f 3 one/rotors.tsv | sed -n 2p)
 
 # E= alone gives the same barrier; dE= beside it must agree.
 cp "$path" both.xyz
 sed -i 's/^dE=[^ ]* //' "$path"
-hapgrid molecule "${peroxide[@]}" --until definition --quiet >line 2>&1 || fail "$(cat line)"
+hapgrid molecule --push "${peroxide[@]}" --until definition --quiet >line 2>&1 || fail "$(cat line)"
 same "barrier by E=" "$barrier" "$(cut -f 3 one/rotors.tsv | sed -n 2p)"
 molecule-check one/one.toml >sane || fail "$(cat sane)"
 awk '/^dE=/ && ++n == 11 { sub(/^dE=[^ ]*/, "dE=1") } 1' both.xyz >"$path"
 refuses "molecule: $path frame 11: dE= gives 1 kJ/mol above the conformation, E= gives ${barrier%.*}\.[0-9]+: remove one" -- \
-  hapgrid molecule "${peroxide[@]}" --until definition --quiet
+  hapgrid molecule --push "${peroxide[@]}" --until definition --quiet
 refuses 'molecule-check: .*frame 11: dE= gives 1 kJ/mol above the conformation, E= gives [0-9.]*: remove one' -- \
   molecule-check one/one.toml
 
@@ -49,7 +49,7 @@ else:
 PY
 chmod +x closed.py
 points=(peroxide.xyz --method gfnff -o two --torsions H3-O1-O2-H4-minus --until definition --quiet)
-hapgrid molecule "${points[@]}" --single-points './closed.py --scale=1' >line 2>&1 || fail "$(cat line)"
+hapgrid molecule --push "${points[@]}" --single-points './closed.py --scale=1' >line 2>&1 || fail "$(cat line)"
 rm -rf work && mkdir work
 for n in 1 4 8 11; do
   frame two/H3-O1-O2-H4-minus.xyz "$n" >node.xyz
@@ -64,7 +64,7 @@ within "E" "$(word two/conformation.xyz 1 E)" -1 -0.99
 
 # By the other energies the conformation is no minimum: the lowest node, near 90 degrees, takes its place, and from there
 # the path leads both ways.
-hapgrid molecule "${points[@]}" --single-points './closed.py --scale=2' >line 2>&1 || fail "$(cat line)"
+hapgrid molecule --push "${points[@]}" --single-points './closed.py --scale=2' >line 2>&1 || fail "$(cat line)"
 within "torsion" "$(word two/conformation.xyz 1 H3-O1-O2-H4)" 82 98
 same "paths" 'H3-O1-O2-H4-minus H3-O1-O2-H4-plus' "$(awk -F'\t' '$2 == "saddle" { print $1 }' two/report.tsv | sort | xargs)"
 molecule-check two/two.toml >sane || fail "$(cat sane)"
@@ -73,10 +73,10 @@ within "the old conformation" "$(awk -F'\t' '$1 == "H3-O1-O2-H4-plus" { print $3
 
 # A program that fails, or prints no energy. A file here that is called like one does not run.
 touch false echo
-refuses 'molecule: --single-points: false ended with 1: ' -- hapgrid molecule "${points[@]}" --single-points false
+refuses 'molecule: --single-points: false ended with 1: ' -- hapgrid molecule --push "${points[@]}" --single-points false
 refuses "molecule: --single-points: the last line of echo is 'about node\.xyz', and not an energy in hartree" -- \
-  hapgrid molecule "${points[@]}" --single-points 'echo about'
-refuses 'molecule: --single-points: none: No such file or directory' -- hapgrid molecule "${points[@]}" --single-points none
+  hapgrid molecule --push "${points[@]}" --single-points 'echo about'
+refuses 'molecule: --single-points: none: No such file or directory' -- hapgrid molecule --push "${points[@]}" --single-points none
 
 # ASE's own calculator of argon and the like needs no program. With psi4 and mopac: slow/ase.sh.
 if ! /usr/bin/python3 -c 'import ase' 2>/dev/null; then
@@ -89,7 +89,7 @@ fi
 
 # Glycine's zwitterion is a minimum in water, by the program xtb the same. GBSA's surface is sampled coarser there, by which
 # energies of some orientations differ by 1e-5 hartree.
-hapgrid molecule --smiles '[NH3+]CC(=O)[O-]' --method gfnff --solvent water -o wet --until structures --quiet --torsions N1-C2-C3-O4-plus >line 2>&1 ||
+hapgrid molecule --push --smiles '[NH3+]CC(=O)[O-]' --method gfnff --solvent water -o wet --until structures --quiet --torsions N1-C2-C3-O4-plus >line 2>&1 ||
   fail "$(cat line)"
 METHOD=(--gfnff --gbsa water)
 within "energy in water" "$(awk -v a="$(word wet/conformation.xyz 1 E)" -v b="$(xtb_energy wet/conformation.xyz 1)" \
@@ -97,4 +97,4 @@ within "energy in water" "$(awk -v a="$(word wet/conformation.xyz 1 E)" -v b="$(
 # It is a minimum: none is imaginary, which would be written i123. The lowest one is that of a torsion, below 300 cm^-1.
 within "lowest wave number" "$(awk -F'\t' '$1 == "conformation" { print $4 }' wet/report.tsv)" 1 300
 expect 2 '' "~molecule: argument --solvent: invalid choice: 'beer' .choose from 'acetone', .*, 'water'. .see --help." -- \
-  hapgrid molecule --smiles CO --solvent beer -o beer
+  hapgrid molecule --push --smiles CO --solvent beer -o beer

@@ -7,7 +7,7 @@ METHOD=(--gfnff)
 # numbered the other way, as programs do that embed shapes. The ring flips on one path over two
 # barriers and a twist-boat, whose energies are those of the program xtb.
 cp "$here/cyclohexane.xyz" .
-hapgrid molecule cyclohexane.xyz --basins --method gfnff -o ring --until structures --quiet >line 2>&1 || fail "$(cat line)"
+hapgrid molecule --push cyclohexane.xyz --basins --method gfnff -o ring --until structures --quiet >line 2>&1 || fail "$(cat line)"
 turning_points ring/to-2.xyz ring/conformation.xyz
 # Between two twist-boats it may go over the boat, a third barrier: both ways are lowest, and the processor decides.
 [[ $seen == 01010 || $seen == 0101010 ]] || fail "minima and saddles: $seen"
@@ -17,7 +17,7 @@ rows=$(grep ^to-2 ring/report.tsv | cut -f 2 | sed 's/ on the path//' | xargs)
 
 # The ring of proline flips: two puckers of one conformation, whose ring has the opposite sign at the end of the path.
 cp "$here/proline.xyz" .
-hapgrid molecule proline.xyz --basins --method gfnff -o pro --until structures >line 2>&1 || fail "$(cat line)"
+hapgrid molecule --push proline.xyz --basins --method gfnff -o pro --until structures >line 2>&1 || fail "$(cat line)"
 grep -q 'frame 2: to-2, on which the ring .* turns: ' line || fail "$(cat line)"
 turning_points pro/to-2.xyz pro/conformation.xyz
 same "minima and saddles" 010 "$seen"
@@ -37,12 +37,12 @@ END
 turn=$HAPGRID_SOURCE/examples/molecule/dichloroethane/turn.xyz
 { frame "$turn" 11; frame "$turn" 28; frame "$turn" 45; } | sed 's/^dE=[^ ]* t=[^ ]* //' >shapes.xyz
 same "frames" 3 "$(grep -c ^8 shapes.xyz)"
-hapgrid molecule shapes.xyz --basins --method gfnff -o shapes --until structures --quiet >line 2>&1 || fail "$(cat line)"
+hapgrid molecule --push shapes.xyz --basins --method gfnff -o shapes --until structures --quiet >line 2>&1 || fail "$(cat line)"
 grep -qP '^Cl1-C2-C3-Cl4\tpath\t' shapes/report.tsv || fail "$(cat shapes/report.tsv)"
 same "paths" 2 "$(grep -cP '\tpath\t' shapes/report.tsv)"
 
 # Where all frames are one minimum the bonds are turned.
 { frame "$turn" 28; frame "$turn" 28; } >same.xyz
-hapgrid molecule same.xyz --basins --method gfnff -o same --until structures >line 2>&1 || fail "$(cat line)"
+hapgrid molecule --push same.xyz --basins --method gfnff -o same --until structures >line 2>&1 || fail "$(cat line)"
 grep -q 'the ensemble has no other minimum than the conformation, so the bonds are turned' line || fail "$(cat line)"
 grep -qP '^Cl1-C2-C3-Cl4\tpath\t' same/report.tsv || fail "$(cat same/report.tsv)"

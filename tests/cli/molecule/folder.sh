@@ -3,7 +3,7 @@
 source "$(dirname "$0")/../lib.sh"
 source "$here/xtb.bash"
 printf '3\n\nH 0 0 1.0\nC 0 0 0\nN 0 0 -1.15\n' >'<img src=x>.xyz'
-feel() { hapgrid molecule '<img src=x>.xyz' --method gfnff --spacing 1.2 --quiet -o "$@"; }
+feel() { hapgrid molecule --push '<img src=x>.xyz' --method gfnff --spacing 1.2 --quiet -o "$@"; }
 
 # The line that it prints is one for a shell, and no name is a tag of the page or an option of a filter.
 name="-x 'q\" #<b>&amp; \$HOME"
@@ -25,7 +25,7 @@ for folder in renamed twice; do
   same "files of $folder" "$before" "$(cd "$folder" && stat -c '%n %Y' -- * | md5sum)"
 done
 if strace -o /dev/null true 2>/dev/null; then  # a file system that has no locks
-  strace -f -qq -o trace -e inject=flock:error=ENOLCK hapgrid molecule '<img src=x>.xyz' --method gfnff --spacing 1.2 \
+  strace -f -qq -o trace -e inject=flock:error=ENOLCK hapgrid molecule --push '<img src=x>.xyz' --method gfnff --spacing 1.2 \
     -o renamed >/dev/null 2>said || fail "$(cat said)"
   grep -q 'renamed cannot be locked (No locks available): let one run at a time work there' said || fail "$(cat said)"
 fi
@@ -126,7 +126,7 @@ done
 
 # The processes that look for barriers end with the first one, too.
 folder=workers
-FOLDER=$folder hapgrid molecule --smiles CCO -o "$folder" -j 2 --quiet >line 2>said &
+FOLDER=$folder hapgrid molecule --push --smiles CCO -o "$folder" -j 2 --quiet >line 2>said &
 command=$!
 searching() { (($(grep -lsz "^FOLDER=$folder\$" /proc/[0-9]*/environ | wc -l) > 2)); }
 wait_for 240 "workers" searching

@@ -90,6 +90,49 @@ TEST_CASE("pushes lead from anti to gauche, where it stays, and from another sid
   CHECK(s == State(7));
 }
 
+TEST_CASE("a path that leads round closes, and an atom that is held goes round and round") {
+  const Source round{"held/dichloroethane", {"Cl1-C2-C3-Cl4.xyz"}};
+  Molecule molecule = round.read();
+  REQUIRE(molecule.paths[0].closes);
+  // By mass the molecule would lie the other way round at the path's end.
+  CHECK_FALSE(HybridEnergy(molecule, {}).closes(0));
+  molecule.fixed = {0, 1, 2, 4, 5};
+  HybridEnergy energy(molecule, {});
+  REQUIRE(energy.closes(0));
+  const auto shape = [&](double t) {
+    State s(7);
+    s[0] = t;
+    return positions(energy, s);
+  };
+  for (const double t : {-0.3, 0.1, 0.49}) {
+    CHECK(rmsd(shape(t), shape(t + 1)) < 1e-9);
+    const double other = t - 1;
+    CHECK(energy.shape_energy(&t) == Approx(energy.shape_energy(&other)).margin(1e-9));
+  }
+  // No kink where the ends meet: the differences on both sides are one, but for the curvature.
+  constexpr double kStep = 1e-4;
+  const Positions before = shape(0.5 - kStep), at = shape(0.5), after = shape(0.5 + kStep);
+  for (std::size_t i = 0; i < at.size(); ++i)
+    CHECK((after[i] - 2 * at[i] + before[i]).norm() < 1e-2 * (after[i] - before[i]).norm() + 1e-9);
+
+  const auto model = round.make({kUnlifted,
+                                 {"hold", std::vector<double>{4}},
+                                 {"fixed", std::vector<double>{1, 2, 3, 5, 6}},
+                                 {"shift_stiffness", 1000.0},
+                                 {"rotation_stiffness", 5000.0}});
+  State s(7);
+  hapgrid::Vec3 x{at[3].x(), at[3].y(), at[3].z()};
+  s[0] = -0.5;
+  for (int k = 1; k <= 100; ++k) {  // twice
+    const Eigen::Vector3d next = shape(-0.5 + 0.02 * k)[3];
+    s = convert(*model, s, x, {next.x() - x[0], next.y() - x[1], next.z() - x[2]});
+    x = {next.x(), next.y(), next.z()};
+    const double off = s[0] - (-0.5 + 0.02 * k);
+    CHECK(std::abs(off - std::round(off)) < 0.03);
+    CHECK((s[0] >= -0.5 && s[0] <= 0.5));
+  }
+}
+
 TEST_CASE("what a path behind its saddles cannot be is refused") {
   CHECK_THROWS_WITH(
       kDichloroethane.make(),

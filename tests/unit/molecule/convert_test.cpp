@@ -95,6 +95,64 @@ TEST_CASE("without contact the model knows the state 0 and stays there") {
   CHECK((f == Vec3{0, 0, 0}));
 }
 
+TEST_CASE("a held atom is pulled by its tie, and the molecule that has no other shape follows") {
+  // Tie and anchor are two springs in a row along the axis: F d / √(d² + a²) = 20 shift.
+  const std::string dioxide = "3\ndE=0\nC 0 0 0\nO 0 0 1.16\nO 0 0 -1.16\n";
+  const auto model = hapgrid::Plugin("molecule", {HAPGRID_BUILD_DIR "/models"})
+                         .create({{"conformation", dioxide}, {"hold", std::vector<double>{2}}});
+  const State rest = model->known_states({0, 0, 1.16});
+  CHECK(is_rest(rest));
+  const State pulled = convert(*model, rest, {0, 0, 1.16}, {0, 0, 2});
+  const double left = 2 - pulled[2], force = 40 * left / std::hypot(left, 0.5);
+  CHECK(20 * pulled[2] == Approx(force).epsilon(1e-4));
+  CHECK(model->force({0, 0, 3.16}, pulled.data())[2] == Approx(-0.025 * force).epsilon(1e-4));
+  CHECK(model->equal(model->known_states({0, 0, 3.16}).data(), pulled.data()));
+}
+
+TEST_CASE("a held atom leads dichloroethane over its barrier and back, and what is fixed stays") {
+  const auto model =
+      Source{"dichloroethane", {"turn.xyz"}}.make({{"morph_stiffness", 0.0},
+                                                   {"hold", std::vector<double>{4}},
+                                                   {"hold_width", 0.5},
+                                                   {"fixed", std::vector<double>{1, 2, 5, 6}},
+                                                   {"shift_stiffness", 1000.0},
+                                                   {"rotation_stiffness", 5000.0}});
+  std::vector<float> centres(24);
+  const auto place = [&](double t) {  // of the chlorine atom, where the shape is this one
+    State s(7);
+    s[0] = t;
+    model->shape({}, s.data(), centres);
+    return Vec3{centres[9], centres[10], centres[11]};
+  };
+  State s(7);
+  Vec3 x = place(0);
+  const std::array<float, 3> rest_chlorine{centres[0], centres[1], centres[2]};
+  const auto to = [&](double t) {
+    const Vec3 next = place(t);
+    s = convert(*model, s, x, {next[0] - x[0], next[1] - x[1], next[2] - x[2]});
+    x = next;
+    CHECK(s[0] == Approx(t).margin(0.03));
+    model->shape(x, s.data(), centres);
+    CHECK(std::hypot(centres[0] - rest_chlorine[0], centres[1] - rest_chlorine[1],
+                     centres[2] - rest_chlorine[2]) < 0.15);
+  };
+  for (int k = 1; k <= 20; ++k) to(k * 0.02);
+  for (int k = 19; k >= -20; --k) to(k * 0.02);
+}
+
+TEST_CASE("atoms to hold or to fix that make no sense are refused") {
+  const auto made = [](const char* key, std::vector<double> atoms) {
+    kButane.make({{key, std::move(atoms)}});
+  };
+  CHECK_THROWS_WITH(made("hold", {0}), StartsWith("model molecule: parameter hold is 0, it must be "
+                                                  "the number of an atom, from 1 to 14"));
+  CHECK_THROWS_WITH(made("fixed", {15, 1, 2}), StartsWith("model molecule: parameter fixed is 15"));
+  CHECK_THROWS_WITH(made("hold", {2.5}), StartsWith("model molecule: parameter hold is 2.5"));
+  CHECK_THROWS_WITH(made("hold", {2, 2}), StartsWith("model molecule: parameter hold has an atom"));
+  CHECK_THROWS_WITH(made("fixed", {1, 2}),
+                    StartsWith("model molecule: parameter fixed: its atoms"));
+}
+
 TEST_CASE("a molecule without paths is pushed as a whole, also when it lies on a line") {
   const std::string dioxide = "3\ndE=0\nC 0 0 0\nO 0 0 1.16\nO 0 0 -1.16\n";
   const auto model = hapgrid::Plugin("molecule", {HAPGRID_BUILD_DIR "/models"})

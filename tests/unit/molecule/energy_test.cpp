@@ -9,6 +9,32 @@ namespace {
 
 const EnergyParameters kParameters{1.3, 150, 30, 120, 4};
 
+/// A molecule, what the hand holds of it, and what of it is fixed.
+struct Case {
+  Source source;
+  std::vector<int> hold, fixed;
+
+  Molecule read() const {
+    Molecule molecule = source.read();
+    molecule.fixed = fixed;
+    return molecule;
+  }
+  EnergyParameters parameters() const {
+    EnergyParameters p = kParameters;
+    p.hold = hold;
+    p.hold_force = 60, p.hold_width = 0.7;
+    return p;
+  }
+};
+
+const std::vector<Case> kCases{{kOnePath, {}, {}},
+                               {kButane, {}, {}},
+                               {kDipeptide, {}, {}},
+                               {kEnkephalin, {}, {}},
+                               {kButane, {3}, {}},
+                               {kButane, {4}, {2, 3, 11}},
+                               {kDipeptide, {9, 10, 19}, {0, 1, 4, 5}}};
+
 /// The probe near some atom, so that it touches one or more.
 std::array<double, 3> touching(Random& random, HybridEnergy& energy, const std::vector<double>& s) {
   const Positions p = positions(energy, s);
@@ -55,16 +81,19 @@ TEST_CASE("paths add up: two transition states at once have the sum of their ene
 
 TEST_CASE("the hybrid energy is its definition, evaluated from the positions") {
   Random random(4);
-  for (const Source& source : kAll) {
-    const Molecule molecule = source.read();
-    HybridEnergy energy(molecule, kParameters);
-    const std::size_t paths = source.paths.size();
+  for (const Case& one : kCases) {
+    const Molecule molecule = one.read();
+    HybridEnergy energy(molecule, one.parameters());
+    const std::size_t paths = one.source.paths.size();
     for (int trial = 0; trial < 200; ++trial) {
       const std::vector<double> s = random.state(energy);
       const auto x = touching(random, energy, s);
       const Positions p = positions(energy, s);
       double expected = energy.shape_energy(s.data());
-      for (std::size_t i = 0; i < p.size(); ++i) {
+      Eigen::Vector3d held = -Eigen::Vector3d(x.data());
+      for (const int i : one.hold) held += p[i] / static_cast<double>(one.hold.size());
+      if (!one.hold.empty()) expected += 60 * (std::sqrt(held.squaredNorm() + 0.49) - 0.7);
+      for (std::size_t i = 0; i < p.size() && one.hold.empty(); ++i) {
         const double overlap = molecule.atoms[i]->radius + kParameters.probe_radius -
                                (p[i] - Eigen::Vector3d(x.data())).norm();
         if (overlap > 0) expected += 0.5 * kParameters.penalty * overlap * overlap;
@@ -76,6 +105,26 @@ TEST_CASE("the hybrid energy is its definition, evaluated from the positions") {
                                      : kParameters.rotation_stiffness);
       CHECK(energy.value(s.data(), x.data()) == Approx(expected).epsilon(1e-12));
     }
+  }
+}
+
+TEST_CASE("what is fixed lies as well as it can on the conformation, and nothing else counts") {
+  const Case one{kDipeptide, {}, {0, 1, 4, 5}};
+  const Molecule molecule = one.read();
+  HybridEnergy energy(molecule, one.parameters());
+  Random random(12);
+  for (int trial = 0; trial < 20; ++trial) {
+    std::vector<double> s = random.state(energy);
+    std::fill(s.end() - 6, s.end(), 0.0);
+    const Positions p = positions(energy, s);
+    // The least weighted sum of squares has no force and no torque.
+    Eigen::Vector3d force = Eigen::Vector3d::Zero(), torque = force;
+    for (const int i : one.fixed) {
+      force += molecule.atoms[i]->mass * (p[i] - molecule.conformation[i]);
+      torque += molecule.atoms[i]->mass * molecule.conformation[i].cross(p[i]);
+    }
+    CHECK(force.norm() < 1e-11);
+    CHECK((torque - energy.morph().centre().cross(force)).norm() < 1e-9);
   }
 }
 
@@ -103,9 +152,9 @@ TEST_CASE("shift and rotation move the shape about the centre of mass") {
 TEST_CASE("the gradient is that of central differences, and the Hessian the gradient's") {
   Random random(6);
   constexpr double kStep = 1e-5;
-  for (const Source& source : kAll) {
-    HybridEnergy energy(source.read(), kParameters);
-    const std::size_t n = energy.variables(), paths = source.paths.size();
+  for (const Case& one : kCases) {
+    HybridEnergy energy(one.read(), one.parameters());
+    const std::size_t n = energy.variables(), paths = one.source.paths.size();
     std::vector<double> g(n), h(n * n), above(n), below(n), unused(n * n);
     double worst = 0, worst_second = 0;
     for (int trial = 0; trial < 200; ++trial) {
@@ -145,7 +194,7 @@ TEST_CASE("the gradient is that of central differences, and the Hessian the grad
         }
       }
     }
-    INFO(source.name << " off by " << worst << " and " << worst_second);
+    INFO(one.source.name << " off by " << worst << " and " << worst_second);
     CHECK(worst < 2e-11 / kStep);
     CHECK(worst_second < 1e-3);
   }

@@ -31,9 +31,7 @@ void Conversion::convert(const double* s, const double* x, const double* d, doub
   const std::size_t n = energy_.variables();
   std::array<double, kMaxVariables> state;
   for (std::size_t i = 0; i < n; ++i) {
-    const bool morphs = i < energy_.morph().paths();
-    const double low = morphs ? energy_.low(i) : 0;
-    state[i] = morphs ? std::clamp(s[i], low, low + 1) : s[i];
+    state[i] = i < energy_.morph().paths() ? energy_.inside(i, s[i]) : s[i];
   }
   const std::size_t none = minima_.size();
   std::size_t rest = minima_.near(state.data(), 0);
@@ -58,7 +56,8 @@ void Conversion::convert(const double* s, const double* x, const double* d, doub
     std::copy_n(minima_.state(nearest).begin(), n, state.begin());
     rest = nearest;
   }
-  for (std::size_t i = 0; i < n; ++i) result[i] = rounded_state(state[i]);
+  for (std::size_t i = 0; i < n; ++i)
+    result[i] = rounded_state(i < energy_.morph().paths() ? energy_.inside(i, state[i]) : state[i]);
 }
 
 }  // namespace hapgrid::molecule

@@ -82,4 +82,10 @@ inline double clamped(double t, double low = 0) {
   return t > low ? (t < low + 1 ? t : low + 1) : t <= low ? low : 0;
 }
 
+/// The number of [low, low + 1] that differs from t by a whole number, and 0 when t is not a
+/// number.
+inline double wrapped(double t, double low) {
+  return std::abs(t) < 1e9 ? t - std::floor(t - low) : 0;
+}
+
 }  // namespace hapgrid::molecule

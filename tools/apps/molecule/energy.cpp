@@ -26,6 +26,7 @@ HybridEnergy::HybridEnergy(const Molecule& molecule, const EnergyParameters& par
     : parameters_(parameters),
       morph_(molecule),
       variables_(morph_.paths() + 6),
+      unit_(parameters.hold.empty() ? parameters.penalty : 1),
       shape_(morph_.make_shape()),
       other_(morph_.make_shape()),
       rotation_{},
@@ -42,6 +43,10 @@ HybridEnergy::HybridEnergy(const Molecule& molecule, const EnergyParameters& par
   for (int a = 0; a < 3; ++a) centre_[a] = morph_.centre()[a];
   for (const int atom : morph_.tree().order)
     reach_.push_back(molecule.atoms[atom]->radius + parameters.probe_radius);
+  const std::vector<int>& order = morph_.tree().order;
+  for (const int atom : parameters.hold)
+    held_.push_back(
+        static_cast<std::size_t>(std::find(order.begin(), order.end(), atom) - order.begin()));
 }
 
 HybridEnergy::Rotation HybridEnergy::rotation(const double* vector) {
@@ -86,6 +91,7 @@ HybridEnergy::Rotation HybridEnergy::rotation(const double* vector) {
 /// molecule's frame instead.
 void HybridEnergy::place(const double* s, const double* x) {
   std::copy_n(s, variables_, state_.begin());
+  for (std::size_t k = 0; k < morph_.paths(); ++k) state_[k] = inside(k, s[k]);
   morph_.shape(s, shape_);
   const double* shift = s + morph_.paths();
   rotation_ = rotation(shift + 3);
@@ -98,6 +104,7 @@ void HybridEnergy::place(const double* s, const double* x) {
 HAPGRID_WITH_AVX2
 void HybridEnergy::find_contacts() {
   contact_count_ = 0;
+  if (!held_.empty()) return find_held();
   for (std::size_t i = 0; i < reach_.size(); ++i) {
     const double d[3] = {shape_.x[i] - probe_[0], shape_.y[i] - probe_[1], shape_.z[i] - probe_[2]};
     const double squared = dot(d, d);
@@ -105,18 +112,41 @@ void HybridEnergy::find_contacts() {
     const double distance = std::sqrt(squared);
     // A probe in an atom's very centre has no direction to push along; x is as good as any.
     const bool apart = distance > 1e-9;
+    const double overlap = reach_[i] - distance;
     contacts_[contact_count_++] = {
         i,
         distance,
-        reach_[i] - distance,
+        overlap,
+        parameters_.penalty,
+        parameters_.penalty * overlap / std::max(distance, 1e-3),
         {apart ? d[0] / distance : 1, apart ? d[1] / distance : 0, apart ? d[2] / distance : 0}};
   }
 }
 
+/// The one contact of a tie: U(d) = F (w - a) with w = √(d² + a²), so U' = F d / w, U'' = F a² /
+/// w³.
+void HybridEnergy::find_held() {
+  double d[3] = {-probe_[0], -probe_[1], -probe_[2]};
+  for (const std::size_t i : held_) {
+    const double at[3] = {shape_.x[i], shape_.y[i], shape_.z[i]};
+    for (int a = 0; a < 3; ++a) d[a] += at[a] / static_cast<double>(held_.size());
+  }
+  const double distance = std::sqrt(dot(d, d)), width = parameters_.hold_width;
+  const double wide = std::hypot(distance, width), bend = -parameters_.hold_force / wide;
+  Contact& tie = contacts_[contact_count_++];
+  tie = {0, distance, bend * distance, -bend * square(width / wide), bend, {1, 0, 0}};
+  if (distance > 1e-9)
+    for (int a = 0; a < 3; ++a) tie.normal[a] = d[a] / distance;
+}
+
+double HybridEnergy::tie_energy() const {
+  const double width = parameters_.hold_width;
+  return parameters_.hold_force * (std::hypot(contacts_[0].distance, width) - width);
+}
+
 double HybridEnergy::shape_energy(const double* t) const {
   double sum = 0;
-  for (std::size_t k = 0; k < profiles_.size(); ++k)
-    sum += profiles_[k].at(clamped(t[k], low(k))).energy;
+  for (std::size_t k = 0; k < profiles_.size(); ++k) sum += profiles_[k].at(inside(k, t[k])).energy;
   return sum;
 }
 
@@ -124,13 +154,14 @@ double HybridEnergy::value(const double* s, const double* x) {
   place(s, x);
   find_contacts();
   const std::size_t paths = morph_.paths();
-  double overlaps = 0;
-  for (std::size_t c = 0; c < contact_count_; ++c) overlaps += square(contacts_[c].overlap);
+  double hand = held_.empty() ? 0 : 2 * tie_energy();  // twice, in units of unit_
+  for (std::size_t c = 0; c < contact_count_ && held_.empty(); ++c)
+    hand += square(contacts_[c].push);
   double stretch = 0;
-  for (std::size_t k = 0; k < paths; ++k) stretch += square(clamped(s[k], low(k)));
+  for (std::size_t k = 0; k < paths; ++k) stretch += square(inside(k, s[k]));
   const double* shift = s + paths;
   const double* turn = shift + 3;
-  return shape_energy(s) + 0.5 * (parameters_.penalty * overlaps +
+  return shape_energy(s) + 0.5 * (unit_ * hand +
                                   parameters_.shift_stiffness *
                                       (square(shift[0]) + square(shift[1]) + square(shift[2])) +
                                   parameters_.rotation_stiffness *
@@ -158,13 +189,17 @@ void HybridEnergy::derivatives(double* gradient, double* hessian, bool anew) {
   morph_.differentiate(shape_);
   for (std::size_t c = 0; c < contact_count_; ++c) add_contact(contacts_[c], gradient, hessian);
   if (anew) {
+    std::size_t pulls = 0;
     for (std::size_t c = 0; c < contact_count_; ++c) {
       const Contact& contact = contacts_[c];
-      const double push = parameters_.penalty * contact.overlap;
-      pulls_[c] = {contact.place,
-                   {push * contact.normal[0], push * contact.normal[1], push * contact.normal[2]}};
+      const auto [first, count] = places(contact);
+      const double push = unit_ * contact.push / static_cast<double>(count);
+      for (std::size_t i = 0; i < count; ++i)
+        pulls_[pulls++] = {
+            first[i],
+            {push * contact.normal[0], push * contact.normal[1], push * contact.normal[2]}};
     }
-    morph_.curvature(shape_, pulls_.data(), contact_count_, bending_.data());
+    morph_.curvature(shape_, pulls_.data(), pulls, bending_.data());
   }
   for (std::size_t k = 0; k < paths; ++k)
     for (std::size_t l = 0; l <= k; ++l) hessian[k * n + l] -= bending_[k * paths + l];
@@ -172,22 +207,30 @@ void HybridEnergy::derivatives(double* gradient, double* hessian, bool anew) {
     for (std::size_t j = 0; j < i; ++j) hessian[j * n + i] = hessian[i * n + j];
 }
 
-/// Adds the derivatives of one contact's penalty. All vectors are in the molecule's frame: there
-/// the atom a moves with velocity_ for t, with the rows of the rotation for the shift, and with φ x
-/// a, φ = rate dr, for the rotation. With n the unit vector from the probe, d the distance and o
-/// the overlap,
-///   ∇(½ o²) = -o ∇d,   ∇²(½ o²) = ∇d ∇dᵀ - o ∇²d,   ∇²d = Gᵀ (1 - n nᵀ) G / d + n · ∂²a.
+/// Adds the derivatives of one contact's energy U(d). All vectors are in the molecule's frame:
+/// there the atom a moves with its velocity for t, with the rows of the rotation for the shift, and
+/// with φ x a, φ = rate dr, for the rotation; so does the mean of several atoms, which is linear in
+/// them. With n the unit vector from the probe and d the distance,
+///   ∇U = U' ∇d,   ∇²U = U'' ∇d ∇dᵀ + U' ∇²d,   ∇²d = Gᵀ (1 - n nᵀ) G / d + n · ∂²a.
 HAPGRID_WITH_AVX2
 void HybridEnergy::add_contact(const Contact& contact, double* gradient, double* hessian) {
   const std::size_t n = variables_, paths = morph_.paths();
   const double* normal = contact.normal;
-  const double a[3] = {shape_.x[contact.place], shape_.y[contact.place], shape_.z[contact.place]};
+  const auto [first, count] = places(contact);
+  const double share = 1 / static_cast<double>(count);
+  double a[3] = {};
   double g[3][kMaxVariables];   // ∂a/∂s
   double along[kMaxVariables];  // ∂d/∂s
   double turning[3][3];         // φ by the rotation's variables
-  morph_.velocity(shape_, contact.place, velocity_.data());
-  for (std::size_t k = 0; k < paths; ++k)
-    for (int i = 0; i < 3; ++i) g[i][k] = velocity_[3 * k + i];
+  for (auto& row : g) std::fill_n(row, paths, 0.0);
+  for (const std::size_t* place = first; place != first + count; ++place) {
+    const double at[3] = {shape_.x[*place], shape_.y[*place], shape_.z[*place]};
+    morph_.velocity(shape_, *place, velocity_.data());
+    for (int i = 0; i < 3; ++i) {
+      a[i] += share * at[i];
+      for (std::size_t k = 0; k < paths; ++k) g[i][k] += share * velocity_[3 * k + i];
+    }
+  }
   for (int j = 0; j < 3; ++j) {
     double* phi = turning[j];
     for (int i = 0; i < 3; ++i) {
@@ -200,11 +243,10 @@ void HybridEnergy::add_contact(const Contact& contact, double* gradient, double*
   }
   for (std::size_t i = 0; i < n; ++i)
     along[i] = g[0][i] * normal[0] + g[1][i] * normal[1] + g[2][i] * normal[2];
-  const double push = parameters_.penalty * contact.overlap;
-  const double bend = push / std::max(contact.distance, 1e-3);
+  const double push = unit_ * contact.push, bend = contact.bend;
   for (std::size_t i = 0; i < n; ++i) {
     gradient[i] -= push * along[i];
-    const double f = (parameters_.penalty + bend) * along[i];
+    const double f = (contact.stiffness + bend) * along[i];
     for (std::size_t j = 0; j < n; ++j)
       hessian[i * n + j] +=
           f * along[j] - bend * (g[0][i] * g[0][j] + g[1][i] * g[1][j] + g[2][i] * g[2][j]);
@@ -235,11 +277,10 @@ void HybridEnergy::force(const double* s, const double* x, double* f) {
   if (contact_count_ == 0) return;
   double sum[3] = {};
   for (std::size_t c = 0; c < contact_count_; ++c)
-    for (int a = 0; a < 3; ++a) sum[a] -= contacts_[c].overlap * contacts_[c].normal[a];
+    for (int a = 0; a < 3; ++a) sum[a] -= contacts_[c].push * contacts_[c].normal[a];
   const std::array<double, 9>& r = rotation_.matrix;
   for (int a = 0; a < 3; ++a)
-    f[a] =
-        parameters_.penalty * (r[3 * a] * sum[0] + r[3 * a + 1] * sum[1] + r[3 * a + 2] * sum[2]);
+    f[a] = unit_ * (r[3 * a] * sum[0] + r[3 * a + 1] * sum[1] + r[3 * a + 2] * sum[2]);
 }
 
 void HybridEnergy::placed(const double* s, const Morph::Shape& shape, std::size_t i,

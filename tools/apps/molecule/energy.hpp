@@ -2,10 +2,12 @@
 // in one quantity, which the model minimises and whose gradient the hand feels. In kJ/mol,
 //
 //   H(s, x) = Σ_k E_k(t_k)                                  the molecule's own (profile.hpp)
-//           + ½ penalty Σ_i max(0, R_i + probe_radius - |x - a_i|)²
+//           + ½ penalty Σ_i max(0, R_i + probe_radius - |x - a_i|)²     a ball that pushes, or
+//           + hold_force (√(|x - h|² + hold_width²) - hold_width)       a tie that pulls
 //           + ½ shift_stiffness |shift|² + ½ rotation_stiffness |rotation|²
 //           + ½ morph_stiffness Σ_k t_k²
-//   a_i     = c + shift + R(rotation) (b_i(t) - c),   c the conformation's centre of mass
+//   a_i     = c + shift + R(rotation) (b_i(t) - c),   c the centre of what the morph aligns
+//   h       = the mean of a_i over the atoms that are held
 //
 // with b_i(t) from the morph. The last term is a stabiliser and no part of the molecule's energy:
 // it leads back to the conformation where the profiles are flat.
@@ -16,6 +18,7 @@
 
 #include <array>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "tools/apps/molecule/morph.hpp"
@@ -31,6 +34,10 @@ struct EnergyParameters {
   double shift_stiffness = 20;      // kJ/(mol Å²)
   double rotation_stiffness = 100;  // kJ/(mol rad²)
   double morph_stiffness = 5;       // kJ/mol
+  /// Atoms from 0 whose centre the hand holds, instead of pushing with the ball; none: the ball.
+  std::vector<int> hold = {};
+  double hold_force = 40;   // kJ/(mol Å): the tie never pulls stronger
+  double hold_width = 0.5;  // Å; near the atom the tie is a spring of hold_force / hold_width
 };
 
 /// An object keeps what it computed last, so only one thread may use it. Real-time safe after
@@ -45,12 +52,15 @@ class HybridEnergy {
   const EnergyParameters& parameters() const { return parameters_; }
   /// The least t_k; the largest is one more.
   double low(std::size_t k) const { return morph_.low(k); }
+  /// Whether t_k has no ends, as Morph has it, and the t_k that counts.
+  bool closes(std::size_t k) const { return morph_.closes(k); }
+  double inside(std::size_t k, double t) const { return morph_.inside(k, t); }
   /// How far a unit of a variable moves the atoms, Å RMS: the minimiser's scale.
   double scale(std::size_t variable) const { return scale_[variable]; }
 
   /// H(s, x), kJ/mol.
   double value(const double* s, const double* x);
-  /// Whether the probe touched an atom in the last value().
+  /// Whether the hand acts on an atom in the last value(): the probe touches one, or one is held.
   bool touches() const { return contact_count_ > 0; }
   /// At the s and x of the last value(): the gradient ∂H/∂s (n), and the Hessian (n x n, symmetric)
   /// without the second derivatives of the rotation's parametrisation. The morph's second
@@ -69,11 +79,14 @@ class HybridEnergy {
   double displacement(const double* a, const double* b);
 
  private:
+  /// What the hand does to an atom, or to the centre of those that are held. U is its energy.
   struct Contact {
-    std::size_t place;  // in the tree's order
-    double distance;
-    double overlap;
-    double normal[3];  // from the probe to the atom, in the molecule's frame
+    std::size_t place;  // in the tree's order; of those that are held, held_ has it
+    double distance;    // d
+    double push;        // -U'(d) / unit_; of the ball the overlap
+    double stiffness;   // U''(d)
+    double bend;        // -U'(d) / d
+    double normal[3];   // from the probe to the atom, in the molecule's frame
   };
   /// R(v) and the matrix J of dR = R [J dv]x, row by row (Gallego and Yezzi 2015).
   struct Rotation {
@@ -83,6 +96,14 @@ class HybridEnergy {
 
   void place(const double* s, const double* x);
   void find_contacts();
+  void find_held();
+  /// The tie's energy, kJ/mol.
+  double tie_energy() const;
+  /// The places in the tree's order at which a contact acts, each with the same share.
+  std::pair<const std::size_t*, std::size_t> places(const Contact& contact) const {
+    return held_.empty() ? std::pair(&contact.place, std::size_t{1})
+                         : std::pair(held_.data(), held_.size());
+  }
   void add_contact(const Contact& contact, double* gradient, double* hessian);
   void placed(const double* s, const Morph::Shape& shape, std::size_t i, const Rotation& r,
               double* a) const;
@@ -92,7 +113,9 @@ class HybridEnergy {
   std::size_t variables_;
   std::vector<double> scale_;
   std::vector<Profile> profiles_;
-  std::vector<double> reach_;  // R_i + probe_radius by place in the tree's order
+  std::vector<double> reach_;      // R_i + probe_radius by place in the tree's order
+  std::vector<std::size_t> held_;  // places in the tree's order; none: the ball
+  double unit_;                    // of a contact's push: the penalty, or 1 of a tie
   std::array<double, 3> centre_;
 
   Morph::Shape shape_, other_;

@@ -283,6 +283,8 @@ Path path_of(const Frame& conformation, std::vector<Frame> frames, const std::st
   }
   check_climbs(path, [&](std::size_t m) { return here(m - given); });
   path.energies[path.start] = 0;
+  path.closes = path.beyond() && path.energies.front() == path.energies.back() &&
+                aligned_rmsd(path.nodes.front(), path.nodes.back()) <= kMaxEndsRmsd;
   return path;
 }
 

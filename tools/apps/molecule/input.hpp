@@ -23,6 +23,7 @@ struct Path {
   std::vector<double> energies;  // kJ/mol above the conformation, one a node; 0 at the start
   std::size_t start = 0;
   std::vector<std::size_t> minima;  // nodes that are minima behind saddles, ascending
+  bool closes = false;  // the last node is the first one once more, after a turn that led round
 
   /// The t of a node.
   double t(std::size_t node) const {
@@ -38,11 +39,16 @@ struct Molecule {
   std::vector<const Element*> atoms;
   std::vector<std::pair<int, int>> bonds;  // indices into atoms, each pair ascending, sorted
   Positions conformation;
+  std::vector<int> fixed;   // atoms that stay in their place while the shape changes; none: the
+                            // molecule stays as a whole, by its mass
   std::vector<Path> paths;  // none: the molecule keeps its shape
 };
 
 /// How far a path's node at t = 0 may be from the conformation after alignment, Å RMS.
 inline constexpr double kMaxFirstNodeRmsd = 0.02;
+/// How far apart the ends of a path may be that closes, Å RMS: they are one shape, in a file's
+/// digits.
+inline constexpr double kMaxEndsRmsd = 1e-6;
 /// How far below the conformation a node may lie, kJ/mol: optimisations converge no better. Where a
 /// node lies lower with no saddle between, the conformation is no minimum.
 inline constexpr double kMaxEnergyBelow = 0.1;

@@ -23,6 +23,8 @@ std::vector<std::vector<double>> combined_minima(const Molecule& molecule) {
 }
 
 Minima::Minima(const Molecule& molecule, HybridEnergy& energy) {
+  held_ = !energy.parameters().hold.empty();
+  for (std::size_t k = 0; k < energy.morph().paths(); ++k) closes_.push_back(energy.closes(k));
   for (std::size_t i = 0; i < energy.variables(); ++i) scale_.push_back(energy.scale(i));
   for (const Element* element : molecule.atoms)
     reach_.push_back(element->radius + energy.parameters().probe_radius);
@@ -40,7 +42,16 @@ Minima::Minima(const Molecule& molecule, HybridEnergy& energy) {
   }
 }
 
+std::array<double, 3> Minima::centre(std::size_t minimum, const std::vector<int>& atoms) const {
+  std::array<double, 3> centre{};
+  for (const int atom : atoms)
+    for (int a = 0; a < 3; ++a)
+      centre[a] += positions_[minimum][3 * atom + a] / static_cast<double>(atoms.size());
+  return centre;
+}
+
 bool Minima::touched(std::size_t minimum, const double* x) const {
+  if (held_) return true;
   const double* a = positions_[minimum].data();
   for (const double reach : reach_) {
     const double d[3] = {x[0] - a[0], x[1] - a[1], x[2] - a[2]};
@@ -54,7 +65,7 @@ std::size_t Minima::near(const double* s, double limit) const {
   for (std::size_t m = 0; m < states_.size(); ++m) {
     double distance = 0;
     for (std::size_t i = 0; i < scale_.size(); ++i)
-      distance = std::max(distance, std::abs((s[i] - states_[m][i]) * scale_[i]));
+      distance = std::max(distance, std::abs(difference(i, s[i] - states_[m][i]) * scale_[i]));
     if (distance <= limit) return m;
   }
   return states_.size();

@@ -11,6 +11,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <limits>
 
 #include "tools/apps/molecule/energy.hpp"
 
@@ -58,9 +59,14 @@ class Minimiser {
   /// Sets `trial` to s + p, with t exactly on the bounds that p reaches.
   void add(const Vector& p, double* trial) const;
   void descend(double* s, const double* x, double value, double tolerance);
-  /// The bounds of variable k, which is a t, in scaled variables.
-  double low(Eigen::Index k) const { return energy_.low(k) * energy_.scale(k); }
-  double high(Eigen::Index k) const { return (energy_.low(k) + 1) * energy_.scale(k); }
+  /// The bounds of variable k, which is a t, in scaled variables. A path that closes has none.
+  double low(Eigen::Index k) const {
+    return energy_.closes(k) ? -kNoBound : energy_.low(k) * energy_.scale(k);
+  }
+  double high(Eigen::Index k) const {
+    return energy_.closes(k) ? kNoBound : (energy_.low(k) + 1) * energy_.scale(k);
+  }
+  static constexpr double kNoBound = std::numeric_limits<double>::infinity();
   double step(double radius, Vector& p) const;
   Vector within(double radius, const Matrix& b, const Vector& g) const;
 

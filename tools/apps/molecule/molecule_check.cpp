@@ -58,9 +58,6 @@ Setup setup_of(const Definition& definition) {
   return read_setup(reader);
 }
 
-constexpr char kTouches[] =
-    "the probe touches the conformation in a corner of the box: make it larger";
-
 class Checker {
  public:
   Checker(const Definition& definition, const Setup& setup)
@@ -99,12 +96,14 @@ class Checker {
     }
     report_minima();
     const double clearance = this->clearance();
-    std::printf(
-        "\nbox                the probe in its corners is at least %.2f Å away from touching\n",
-        clearance);
+    std::printf("\nbox                ");
+    if (setup_.energy.hold.empty())
+      std::printf("the probe in its corners is at least %.2f Å away from touching\n", clearance);
+    else
+      std::printf("what is held rests at least %.2f Å inside it\n", clearance);
     const std::vector<Problem> problems = sanity_.problems();
     for (const Problem& problem : problems) std::printf("NOT SANE: %s\n", problem.line().c_str());
-    if (!(clearance > 0)) std::printf("NOT SANE: %s\n", kTouches);
+    if (!(clearance > 0)) std::printf("NOT SANE: %s\n", too_small());
     return problems.empty() && clearance > 0;
   }
 
@@ -114,7 +113,7 @@ class Checker {
     for (const Problem& problem : sanity_.problems())
       problems.push_back({{"paths", problem.paths}, {"what", problem.what}});
     if (!(clearance() > 0))
-      problems.push_back({{"paths", nlohmann::ordered_json::array()}, {"what", kTouches}});
+      problems.push_back({{"paths", nlohmann::ordered_json::array()}, {"what", too_small()}});
     for (const std::vector<double>& t : combined_minima(molecule()))
       minima.push_back({{"t", t}, {"energy_kJ_mol", energy_.shape_energy(t.data())}});
     const bool is_sane = problems.empty();
@@ -158,8 +157,16 @@ class Checker {
     }
   }
 
-  /// Of the probe in the corners of the box from the conformation, Å.
-  double clearance() const {
+  const char* too_small() const {
+    return setup_.energy.hold.empty()
+               ? "the probe touches the conformation in a corner of the box: make it larger"
+               : "what is held rests outside of the box: make it larger";
+  }
+
+  /// Of the probe in the corners of the box from the conformation, Å; of what is held in any
+  /// minimum from the sides of the box.
+  double clearance() {
+    if (!setup_.energy.hold.empty()) return clearance_of_held();
     double clearance = std::numeric_limits<double>::infinity();
     for (unsigned corner = 0; corner < 8; ++corner) {
       GridCoordinates c{};
@@ -169,6 +176,19 @@ class Checker {
         const Eigen::Vector3d d = molecule().conformation[i] - Eigen::Vector3d(x.data());
         clearance = std::min(clearance,
                              d.norm() - molecule().atoms[i]->radius - setup_.energy.probe_radius);
+      }
+    }
+    return clearance;
+  }
+
+  double clearance_of_held() {
+    const Minima minima(molecule(), energy_);
+    double clearance = std::numeric_limits<double>::infinity();
+    for (std::size_t m = 0; m < minima.size(); ++m) {
+      const std::array<double, 3> at = minima.centre(m, setup_.energy.hold);
+      for (int a = 0; a < 3; ++a) {
+        const double low = at[a] - box_.origin[a];
+        clearance = std::min({clearance, low, (box_.counts[a] - 1) * box_.spacing - low});
       }
     }
     return clearance;
@@ -215,7 +235,7 @@ int main(int argc, char** argv) {
                "A molecule is not sane when two atoms, at least three bonds apart, come nearer\n"
                "than 0.55 of the sum of their radii on a path, or 0.4 where paths are combined;\n"
                "when the morph misses a node by more than 1e-6 Å RMS; or when the probe touches\n"
-               "the conformation in a corner of the box.\n",
+               "the conformation in a corner of the box, or what is held is not inside.\n",
                "  3  read everything, and something is not sane\n");
   add_definition(app, options.definition);
   app.add("--format", options.format, "How the report is written")

@@ -28,6 +28,20 @@ std::vector<double> spline_bends(const std::vector<double>& v) {
   return z;
 }
 
+/// The same where the values go on after the last as after the first, by the same difference. The
+/// ends of a natural spline through three turns are felt no more in the middle one: by 0.27 a
+/// value.
+std::vector<double> closed_bends(const std::vector<double>& v) {
+  const std::size_t turn = v.size() - 1;
+  const double rise = v[turn] - v[0];
+  std::vector<double> turns;
+  for (std::size_t i = 0; i <= 3 * turn; ++i)
+    turns.push_back(v[i % turn] + rise * static_cast<double>(i / turn));
+  const std::vector<double> z = spline_bends(turns);
+  return {z.begin() + static_cast<std::ptrdiff_t>(turn),
+          z.begin() + static_cast<std::ptrdiff_t>(2 * turn + 1)};
+}
+
 /// Lengths, deflections and torsions one behind the other, each in `stride` places.
 std::vector<double> flat(const Internal& internal, std::size_t stride) {
   std::vector<double> q(3 * stride);
@@ -177,6 +191,7 @@ Morph::Morph(const Molecule& molecule)
     paths_.push_back(spline(molecule.paths[k], conformation, name(k)));
   for (std::size_t k = 0; k < paths_.size(); ++k) {
     measure(molecule, k);
+    paths_[k].closes = paths_[k].closes && meets(k);
     if (paths_[k].length < 1e-3)
       throw std::runtime_error(name(k) +
                                ": the transition state has the shape of the conformation");
@@ -204,24 +219,43 @@ void Morph::measure(const Molecule& molecule, std::size_t k) {
   }
 }
 
-/// Finds the masses, the centre of mass, and the conformation as seen from there.
+/// Whether the shape comes to its place again at the end of a path that closes. Where the alignment
+/// heeds the whole molecule it can lie there another way round.
+bool Morph::meets(std::size_t k) const {
+  constexpr double kNear = 1e-4;  // of the path, from its ends
+  Shape from = make_shape(), to = make_shape();
+  std::vector<double> t(paths_.size());
+  t[k] = paths_[k].low + kNear;
+  shape(t.data(), from);
+  t[k] = paths_[k].low + 1 - kNear;
+  shape(t.data(), to);
+  double farthest = 0;
+  for (std::size_t i = 0; i < tree_.size(); ++i)
+    farthest = std::max(farthest,
+                        std::hypot(to.x[i] - from.x[i], to.y[i] - from.y[i], to.z[i] - from.z[i]));
+  return farthest < 0.1;  // Å
+}
+
+/// Finds the weights, their centre, and the conformation as seen from there.
 void Morph::weigh(const Molecule& molecule) {
+  const std::vector<int>& fixed = molecule.fixed;
   centre_.setZero();
   for (const int atom : tree_.order) {
-    mass_.push_back(molecule.atoms[atom]->mass);
-    total_mass_ += mass_.back();
-    centre_ += mass_.back() * molecule.conformation[atom];
+    const bool counts = fixed.empty() || std::find(fixed.begin(), fixed.end(), atom) != fixed.end();
+    weight_.push_back(counts ? molecule.atoms[atom]->mass : 0);
+    total_weight_ += weight_.back();
+    centre_ += weight_.back() * molecule.conformation[atom];
   }
-  centre_ /= total_mass_;
+  centre_ /= total_weight_;
   for (std::size_t i = 0; i < tree_.size(); ++i) {
     const Eigen::Vector3d c = molecule.conformation[tree_.order[i]] - centre_;
     x0_.push_back(c.x());
     y0_.push_back(c.y());
     z0_.push_back(c.z());
-    mass_x_.push_back(mass_[i] * c.x());
-    mass_y_.push_back(mass_[i] * c.y());
-    mass_z_.push_back(mass_[i] * c.z());
-    square_ += mass_[i] * c.squaredNorm();
+    weight_x_.push_back(weight_[i] * c.x());
+    weight_y_.push_back(weight_[i] * c.y());
+    weight_z_.push_back(weight_[i] * c.z());
+    square_ += weight_[i] * c.squaredNorm();
     gyration_ += c.squaredNorm();
   }
   gyration_ = std::sqrt(gyration_ / static_cast<double>(tree_.size()));
@@ -242,12 +276,16 @@ Morph::Spline Morph::spline(const Path& path, const Internal& conformation,
   last = conformation;
   for (std::size_t m = path.start; m-- > 0;) add(m);
   const std::size_t n = q0_.size();
-  Spline spline{segments, std::vector<double>(segments * 4 * n), 0, path.low(),
-                static_cast<double>(path.start)};
+  Spline spline{segments,   std::vector<double>(segments * 4 * n), 0,
+                path.low(), static_cast<double>(path.start),       path.closes};
   std::vector<double> values(segments + 1);
   for (std::size_t c = 0; c < n; ++c) {
     for (std::size_t m = 0; m <= segments; ++m) values[m] = nodes[m][c] - q0_[c];
-    const std::vector<double> bend = spline_bends(values);
+    // Of one shape twice only torsions may differ, by whole turns.
+    if (path.closes)
+      values[segments] =
+          values[0] + 2 * kPi * std::round((values[segments] - values[0]) / (2 * kPi));
+    const std::vector<double> bend = path.closes ? closed_bends(values) : spline_bends(values);
     for (std::size_t m = 0; m < segments; ++m) {
       double* a = &spline.coefficients[m * 4 * n + c];
       a[0] = values[m];
@@ -328,15 +366,15 @@ void Morph::align(Shape& s) const {
   for (std::size_t i = 0; i < n; ++i) {
     const double* y = &s.local[3 * i];
     for (int a = 0; a < 3; ++a) {
-      m[3 * a] += y[a] * mass_x_[i];
-      m[3 * a + 1] += y[a] * mass_y_[i];
-      m[3 * a + 2] += y[a] * mass_z_[i];
-      centre[a] += mass_[i] * y[a];
+      m[3 * a] += y[a] * weight_x_[i];
+      m[3 * a + 1] += y[a] * weight_y_[i];
+      m[3 * a + 2] += y[a] * weight_z_[i];
+      centre[a] += weight_[i] * y[a];
     }
-    square += mass_[i] * (y[0] * y[0] + y[1] * y[1] + y[2] * y[2]);
+    square += weight_[i] * (y[0] * y[0] + y[1] * y[1] + y[2] * y[2]);
   }
-  for (double& c : centre) c /= total_mass_;
-  square -= total_mass_ * (centre[0] * centre[0] + centre[1] * centre[1] + centre[2] * centre[2]);
+  for (double& c : centre) c /= total_weight_;
+  square -= total_weight_ * (centre[0] * centre[0] + centre[1] * centre[1] + centre[2] * centre[2]);
 
   s.rotation = matrix_of(refined(best_rotation(m, (square + square_) / 2), m));
   s.overlap = overlap_of(s.rotation, m);
@@ -354,7 +392,7 @@ void Morph::align(Shape& s) const {
 void Morph::shape(const double* t, Shape& s) const {
   bool same = s.derivatives >= 0;
   for (std::size_t k = 0; k < paths_.size(); ++k) {
-    const double next = clamped(t[k], paths_[k].low);
+    const double next = inside(k, t[k]);
     same = same && next == s.t[k];
     s.t[k] = next;
   }

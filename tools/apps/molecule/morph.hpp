@@ -5,7 +5,8 @@
 // nodes of path k. Along one path alone the nodes are reproduced exactly. The shape is rebuilt from
 // q in a local frame and aligned to the conformation: the centres of mass coincide, and the
 // rotation makes the mass-weighted sum of squared distances least. So a change of shape is no
-// change of place.
+// change of place. Where the molecule says which of its atoms are fixed, these alone are aligned:
+// they stay in their place, and all others move against them.
 //
 // The haptic loop needs a shape in microseconds. So the coefficients of all coordinates lie side by
 // side, all sines are computed in one loop that vectorises, the rebuilding only carries frames from
@@ -22,6 +23,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "tools/apps/molecule/elementary.hpp"
 #include "tools/apps/molecule/input.hpp"
 #include "tools/apps/molecule/lanes.hpp"
 #include "tools/apps/molecule/tree.hpp"
@@ -38,7 +40,7 @@ class Morph {
   class Shape {
    public:
     /// Atoms by place in the tree's order; positions in Å in the frame of the conformation, the
-    /// origin its centre of mass.
+    /// origin the centre of mass of what is aligned.
     std::vector<double> x, y, z;
 
    private:
@@ -72,19 +74,25 @@ class Morph {
   std::size_t atoms() const { return tree_.size(); }
   std::size_t paths() const { return paths_.size(); }
   const Tree& tree() const { return tree_; }
-  /// The centre of mass of the conformation as its text has it, Å.
+  /// The centre of mass of what is aligned, in the conformation as its text has it, Å.
   const Eigen::Vector3d& centre() const { return centre_; }
   /// The least t_k; the largest is one more. 0 unless the conformation is inside the path.
   double low(std::size_t k) const { return paths_[k].low; }
+  /// Whether t_k has no ends: t_k and t_k + 1 are one shape in one place.
+  bool closes(std::size_t k) const { return paths_[k].closes; }
+  /// The t_k that counts: the nearest in the range, or where the path closes the same one there.
+  double inside(std::size_t k, double t) const {
+    return closes(k) ? wrapped(t, low(k)) : clamped(t, low(k));
+  }
   /// RMS displacement of the atoms between t = 0 and t_k = 1, Å: above 0. Of a path that goes on
   /// behind its saddles, and may lead round, the sum from node to node.
   double length(std::size_t k) const { return paths_[k].length; }
-  /// RMS distance of the conformation's atoms from its centre of mass, Å.
+  /// RMS distance of the conformation's atoms from that centre, Å.
   double gyration() const { return gyration_; }
 
   Shape make_shape() const;
-  /// The shape for t, which has paths() numbers. One outside its range counts as the nearest
-  /// inside, and one that is not a number as 0. Real-time safe.
+  /// The shape for t, which has paths() numbers; inside() says which one counts, and one that is
+  /// not a number counts as 0. Real-time safe.
   void shape(const double* t, Shape& shape) const;
   /// Computes what velocity() needs, for the t of the last shape(). Real-time safe.
   void differentiate(Shape& shape) const;
@@ -106,6 +114,7 @@ class Morph {
     double length;
     double low;    // the least t
     double first;  // segments before the conformation
+    bool closes;
 
     /// The segment in which t lies, and the place u in it, from 0 to 1.
     struct Piece {
@@ -121,6 +130,7 @@ class Morph {
 
   void weigh(const Molecule& molecule);
   void measure(const Molecule& molecule, std::size_t k);
+  bool meets(std::size_t k) const;
   Spline spline(const Path& path, const Internal& conformation, const std::string& where) const;
   void interpolate(Shape& shape) const;
   void build(Shape& shape) const;
@@ -136,17 +146,17 @@ class Morph {
   static void turn_back(const Shape& shape, const Four* p, double* turn, std::size_t stride);
 
   Tree tree_;
-  std::size_t stride_;  // atoms, rounded up to a multiple of four
-  std::size_t width_;   // paths, rounded up to a multiple of four
-  std::vector<double> mass_;
-  double total_mass_ = 0;
+  std::size_t stride_;          // atoms, rounded up to a multiple of four
+  std::size_t width_;           // paths, rounded up to a multiple of four
+  std::vector<double> weight_;  // in the alignment: the mass, or 0 of an atom that is not fixed
+  double total_weight_ = 0;
   Eigen::Vector3d centre_;
   double gyration_ = 0;
-  std::vector<double> q0_;                        // as Shape::q
-  std::array<double, 9> root_frame_;              // axes of the conformation's
-  std::vector<double> mass_x_, mass_y_, mass_z_;  // mass times position of the conformation
-  std::vector<double> x0_, y0_, z0_;              // the conformation
-  double square_ = 0;                             // Σ m |c|²
+  std::vector<double> q0_;                              // as Shape::q
+  std::array<double, 9> root_frame_;                    // axes of the conformation's
+  std::vector<double> weight_x_, weight_y_, weight_z_;  // weight times position of the conformation
+  std::vector<double> x0_, y0_, z0_;                    // the conformation
+  double square_ = 0;                                   // Σ m |c|²
   std::vector<Spline> paths_;
 };
 

@@ -14,13 +14,13 @@ Morph::Moments Morph::moments(const std::vector<double>& velocities, std::size_t
   for (std::size_t i = 1; i < tree_.size(); ++i) {
     for (std::size_t a = 0; a < 3; ++a) {
       const Four v = load<Four>(&velocities[(3 * i + a) * stride + at]);
-      m.sum[3 * a] += v * mass_x_[i];
-      m.sum[3 * a + 1] += v * mass_y_[i];
-      m.sum[3 * a + 2] += v * mass_z_[i];
-      m.centre[a] += v * mass_[i];
+      m.sum[3 * a] += v * weight_x_[i];
+      m.sum[3 * a + 1] += v * weight_y_[i];
+      m.sum[3 * a + 2] += v * weight_z_[i];
+      m.centre[a] += v * weight_[i];
     }
   }
-  for (Four& c : m.centre) c = c / total_mass_;
+  for (Four& c : m.centre) c = c / total_weight_;
   return m;
 }
 
@@ -203,15 +203,15 @@ void Morph::spread_pulls(Shape& s, const double* force, const double* u) const {
   const std::array<double, 9>& r = s.rotation;
   double shared[3], turned[9];  // Rᵀ force / M, Rᵀ [u]
   for (std::size_t a = 0; a < 3; ++a) {
-    shared[a] = (r[a] * force[0] + r[3 + a] * force[1] + r[6 + a] * force[2]) / total_mass_;
+    shared[a] = (r[a] * force[0] + r[3 + a] * force[1] + r[6 + a] * force[2]) / total_weight_;
     turned[3 * a] = r[3 + a] * u[2] - r[6 + a] * u[1];
     turned[3 * a + 1] = r[6 + a] * u[0] - r[a] * u[2];
     turned[3 * a + 2] = r[a] * u[1] - r[3 + a] * u[0];
   }
   for (std::size_t i = 1; i < tree_.size(); ++i)
     for (std::size_t a = 0; a < 3; ++a)
-      s.pull[3 * i + a] -= mass_[i] * shared[a] + turned[3 * a] * mass_x_[i] +
-                           turned[3 * a + 1] * mass_y_[i] + turned[3 * a + 2] * mass_z_[i];
+      s.pull[3 * i + a] -= weight_[i] * shared[a] + turned[3 * a] * weight_x_[i] +
+                           turned[3 * a + 1] * weight_y_[i] + turned[3 * a + 2] * weight_z_[i];
 }
 
 /// Σ pull · ∂²(local position)/∂t_k∂t_l over all atoms into sum[width_ k + l], for l >= k. With

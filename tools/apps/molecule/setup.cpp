@@ -1,7 +1,9 @@
 #include "tools/apps/molecule/setup.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <locale>
 #include <set>
@@ -42,6 +44,31 @@ hapgrid_torsion read_torsion(const std::string& text, std::size_t atoms) {
   return torsion;
 }
 
+/// Indices of atoms, from numbers that begin with 1.
+std::vector<int> read_atoms(const char* key, const std::vector<double>& numbers,
+                            std::size_t atoms) {
+  std::vector<int> found;
+  for (const double number : numbers) {
+    if (!(number >= 1 && number <= static_cast<double>(atoms)) || number != std::floor(number))
+      refuse(key, number, "the number of an atom, from 1 to " + std::to_string(atoms));
+    found.push_back(static_cast<int>(number) - 1);
+  }
+  if (std::set(found.begin(), found.end()).size() < found.size())
+    throw std::runtime_error(std::string("parameter ") + key + " has an atom twice");
+  return found;
+}
+
+/// Whether these atoms say how the molecule is turned.
+bool span_a_plane(const Positions& x, const std::vector<int>& atoms) {
+  constexpr double kLeastArea = 0.1;  // Å², of a parallelogram
+  for (const int b : atoms)
+    for (const int c : atoms) {
+      const Eigen::Vector3d one = x[b] - x[atoms[0]], other = x[c] - x[atoms[0]];
+      if (one.cross(other).norm() > kLeastArea) return true;
+    }
+  return false;
+}
+
 }  // namespace
 
 Setup read_setup(PluginParameters& parameters) {
@@ -52,6 +79,9 @@ Setup read_setup(PluginParameters& parameters) {
   read(parameters, "shift_stiffness", 0.1, 1e5, setup.energy.shift_stiffness);
   read(parameters, "rotation_stiffness", 0.1, 1e6, setup.energy.rotation_stiffness);
   read(parameters, "morph_stiffness", 0, 1e5, setup.energy.morph_stiffness);
+  read(parameters, "hold_force", 0.1, 1e4, setup.energy.hold_force);
+  read(parameters, "hold_width", 0.01, 10, setup.energy.hold_width);
+  const std::vector<double> hold = parameters.numbers("hold"), fixed = parameters.numbers("fixed");
   read(parameters, "substep", 0.001, 1, setup.substep);
   read(parameters, "tolerance", 1e-3, 1, setup.tolerance);
   read(parameters, "force_scale", 1e-9, 1e3, setup.force_scale);
@@ -63,6 +93,11 @@ Setup read_setup(PluginParameters& parameters) {
   if (conformation.empty())
     throw std::runtime_error("parameter conformation is missing: an XYZ text");
   setup.molecule = read_molecule(conformation, transition_states, energies);
+  Molecule& molecule = setup.molecule;
+  setup.energy.hold = read_atoms("hold", hold, molecule.atoms.size());
+  molecule.fixed = read_atoms("fixed", fixed, molecule.atoms.size());
+  if (!fixed.empty() && !span_a_plane(molecule.conformation, molecule.fixed))
+    throw std::runtime_error("parameter fixed: its atoms lie on a line, which could turn");
   for (const std::string& text : torsions)
     setup.torsions.push_back(read_torsion(text, setup.molecule.atoms.size()));
   for (const Path& path : setup.molecule.paths)

@@ -17,6 +17,14 @@ namespace hapgrid::molecule {
 ///                        that the texts give
 ///   probe_radius         Å, default 1.2
 ///   penalty              kJ/(mol Å²), default 100: stiffness of an atom that the probe overlaps
+///   hold                 atoms from 1 whose centre the hand holds by a tie, instead of pushing
+///   with
+///                        the probe; default none
+///   hold_force           kJ/(mol Å), default 40: the tie never pulls stronger
+///   hold_width           Å, default 0.5: near its atom the tie is a spring of hold_force /
+///   hold_width fixed                atoms from 1, at least three that lie on no line, which stay
+///   in their place
+///                        while the shape changes; default none: the molecule stays by its mass
 ///   shift_stiffness      kJ/(mol Å²), default 20: holds the molecule in its place
 ///   rotation_stiffness   kJ/(mol rad²), default 100: holds the molecule in its orientation
 ///   morph_stiffness      kJ/mol, default 5: m in a stabiliser ½ m t² for each t, which is no part

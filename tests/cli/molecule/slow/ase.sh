@@ -24,7 +24,7 @@ within "psi4 less ASE's" "$(awk -v e="$("$ase" psi4 method=scf basis=cc-pvdz hyd
 
 # For these shapes psi4 itself gives 3.5 (trans) and 29.5 kJ/mol (cis) by MP2/cc-pVTZ. The smaller basis is off by less than
 # 6 kJ/mol, and nodes are 18 degrees apart.
-hapgrid molecule --smiles OO --until structures -o peroxide --single-points 'single-point-ase psi4 method=mp2 basis=cc-pvdz' \
+hapgrid molecule --push --smiles OO --until structures -o peroxide --single-points 'single-point-ase psi4 method=mp2 basis=cc-pvdz' \
   --quiet >line 2>&1 || fail "$(cat line)"
 within "torsion" "$(word peroxide/conformation.xyz 1 H3-O1-O2-H4 | tr -d -)" 95 130
 awk -F'\t' '$2 == "saddle" { print $3 }' peroxide/report.tsv | sort -g >barriers

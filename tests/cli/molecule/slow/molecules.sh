@@ -5,7 +5,7 @@ source "$here/../xtb.bash"
 
 # feel NAME SMILES PATHS [OPTION...]: the number of paths that must be taken.
 feel() {
-  hapgrid molecule --smiles "$2" -o "$1" -j 2 "${@:4}" >line 2>log || fail "$1: $(cat log)"
+  hapgrid molecule --push --smiles "$2" -o "$1" -j 2 "${@:4}" >line 2>log || fail "$1: $(cat log)"
   python3 "$here/../prepared_data.py" "$1" || fail "$1: prepared data"
   same "paths of $1" "$3" "$(grep -cP '\tyes\t-$' "$1/rotors.tsv" || true)"
   local path name
@@ -39,10 +39,10 @@ verify cyanide/cyanide.grid --recompute none --accuracy 0.25 >report 2>verdict |
 
 # Glycine as a zwitterion has no minimum without water.
 refuses 'molecule: no conformation: .*its bonds change; a zwitterion needs water: give --solvent water, or the neutral form' \
-  -- hapgrid molecule --smiles '[NH3+]CC(=O)[O-]' -o zwitterion --quiet
+  -- hapgrid molecule --push --smiles '[NH3+]CC(=O)[O-]' -o zwitterion --quiet
 
 # The dipeptide's soft torsions are found by the force field, too, whose scans snap over.
-hapgrid molecule --smiles 'CC(=O)N[C@@H](C)C(=O)NC' --method gfnff --spacing 1.5 -o dipeptide -j 2 >line 2>log || fail "$(cat log)"
+hapgrid molecule --push --smiles 'CC(=O)N[C@@H](C)C(=O)NC' --method gfnff --spacing 1.5 -o dipeptide -j 2 >line 2>log || fail "$(cat log)"
 for name in phi-plus phi-minus; do
   grep -qP "^$name\t[^\t]*\t[0-9.]+\t" dipeptide/rotors.tsv || fail "$name is not found: $(cat dipeptide/rotors.tsv)"
 done

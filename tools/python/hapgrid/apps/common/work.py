@@ -113,6 +113,15 @@ class Work:
         path = self.path(name)
         return shlex.quote(f"./{path}" if path.startswith("-") else path)
 
+    def launcher(self):
+        """The program hapgrid as a shell finds it: by its plain name, or by its path."""
+        mine = os.path.join(self.filters, "hapgrid")
+        found = shutil.which("hapgrid")
+        if found and os.path.exists(mine) and os.path.samefile(found, mine):
+            return "hapgrid"
+        here, whole = os.path.relpath(mine), os.path.abspath(mine)
+        return shlex.quote(here if len(here) < len(whole) else whole)
+
     def read(self, name):
         return files.read_text(self.path(name))
 

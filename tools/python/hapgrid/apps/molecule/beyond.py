@@ -2,11 +2,15 @@
 
 From the conformation the torsion is driven over one saddle after the other in the same direction. Each leg leads from a
 minimum up to a saddle and down to the next one. Where a whole turn comes back to the conformation, the circle is cut at a
-saddle, whose two sides become the path's ends: the highest one from which the conformation is reached on both sides before
-its halves have turned so far against each other that the alignment jumps. Otherwise the other direction is driven, too.
+saddle, whose two sides become the path's ends. Where the hand holds an atom that is the highest saddle, which both ends have:
+what is fixed stays, and the model closes the path. Where it pushes, it is the highest saddle from which the conformation is
+reached on both sides before its halves have turned so far against each other that the alignment jumps. Otherwise the other
+direction is driven, too.
 """
 
 from dataclasses import replace
+
+import numpy as np
 
 from . import geometry, optimise, path
 from .results import Path
@@ -14,6 +18,7 @@ from .xtb import XtbError
 
 LEGS = 6  # in one direction, at most
 JUMP = 3.0  # times the way that the atoms go: how far an aligned shape moves where the alignment jumps
+LOOSE = 0.3  # of the conformation's own tightness: an alignment below this comes loose
 BACK = "back in the conformation"
 
 
@@ -48,14 +53,16 @@ def whole(search, job):
     """The Path of a torsion, both directions as one. Errors: optimise.NoPath, where no minimum is behind a saddle."""
     torsion, _ = search.jobs[job]
     plus, apart = drive(search, torsion, 1)
-    if plus.why == BACK:
-        plus, minus = _cut(search, plus)
+    holds, whole_turn = not search.start.options.push, plus.why == BACK
+    if whole_turn:
+        plus, minus = _round(plus) if holds else _cut(search, plus)
     else:
         minus, _ = drive(search, torsion, -1, apart, [plus.nodes[k] for k in plus.minima()])
         if minus.why == BACK:
             raise optimise.NoPath("a whole turn comes back in one direction only")
-        plus, minus = _before_jump(search, plus), _before_jump(search, minus)
-    if not plus.minima() + minus.minima():
+        if not holds:
+            plus, minus = _before_jump(search, plus), _before_jump(search, minus)
+    if not plus.minima() + minus.minima() and not (holds and whole_turn):
         raise optimise.NoPath(f"nothing behind its saddles: {plus.why}; {minus.why}")
     start = len(minus.nodes) - 1
     nodes = [n if n is search.x else geometry.aligned(n, search.x, search.surface.masses)
@@ -64,13 +71,37 @@ def whole(search, job):
     return Path(nodes, minus.energies[:0:-1] + plus.energies, start, dict(sorted(kinds.items())))
 
 
+def _back(circle):
+    """The same circle in the other direction."""
+    last = len(circle.nodes) - 1
+    return Path([circle.nodes[0], *circle.nodes[-2::-1]], [circle.energies[0], *circle.energies[-2::-1]], 0,
+                {last - k: kind for k, kind in circle.kinds.items()}, circle.why)
+
+
+def _round(circle):
+    """The two parts of a circle, both to its highest saddle. The model closes such a path, whose ends are one shape."""
+    top = max((k for k, kind in circle.kinds.items() if kind == "saddle"), key=lambda k: circle.energies[k])
+    return _part(circle, top + 1), _part(_back(circle), len(circle.nodes) - top)
+
+
 def _jump(search, nodes):
-    """The first node at which the alignment with the conformation jumps; None where it never does."""
+    """The first node at which the alignment with the conformation jumps, or comes loose; None where it never does. Near a shape
+    that lies as well on the conformation in two ways, as dichloroethane with both chlorine atoms on one side, a small change of
+    shape turns the whole molecule, and the model's minimiser would leap."""
     masses = search.surface.masses
+    tight = _tightness(search.x, search.x, masses)
     chain = path.aligned_chain(nodes, masses)
     aligned = [geometry.aligned(n, search.x, masses) for n in nodes]
     return next((k for k in range(1, len(nodes))
-                 if geometry.rms(aligned[k], aligned[k - 1]) > JUMP * geometry.rms(chain[k], chain[k - 1])), None)
+                 if geometry.rms(aligned[k], aligned[k - 1]) > JUMP * geometry.rms(chain[k], chain[k - 1])
+                 or _tightness(nodes[k], search.x, masses) < LOOSE * tight), None)
+
+
+def _tightness(x, reference, masses):
+    """How stiff the best alignment is against the turn that changes it least: 0 where there are two best ones."""
+    a, b = geometry.centred(x, masses), geometry.centred(reference, masses)
+    u, s, vt = np.linalg.svd(a.T @ (masses[:, None] * b))
+    return s[1] + np.sign(np.linalg.det(u @ vt)) * s[2]
 
 
 def _part(way, count):
@@ -88,9 +119,7 @@ def _before_jump(search, way):
 
 def _cut(search, circle):
     """The two parts of a circle, each from the conformation to a node before one of its saddles."""
-    last = len(circle.nodes) - 1
-    back = Path([circle.nodes[0], *circle.nodes[-2::-1]], [circle.energies[0], *circle.energies[-2::-1]], 0,
-                {last - k: kind for k, kind in circle.kinds.items()}, circle.why)
+    last, back = len(circle.nodes) - 1, _back(circle)
     saddles = sorted((k for k, kind in circle.kinds.items() if kind == "saddle"), key=lambda k: -circle.energies[k])
     if len(saddles) == 1:  # of the same shape once more
         return circle, _part(back, 1)

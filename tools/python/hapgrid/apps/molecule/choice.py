@@ -30,7 +30,7 @@ def choose(start, result, unwanted):
         for f in lowest_first:
             why = unwanted.get(f.name) or (
                 f"stiffer than the {o.paths} that are taken (--paths)" if len(taken) == o.paths else
-                _fault(start, result, Definition.around(start.molecule, result, [*taken, f.name], o.basins)))
+                _fault(start, result, Definition.around(start.molecule, result, [*taken, f.name], o.beyond)))
             if not why:
                 taken.append(f.name)
             rows.append((f.name, f"{(f.barrier - result.energy) * HARTREE:.2f}", "no" if why else "yes", why or "-"))
@@ -48,7 +48,7 @@ def choose(start, result, unwanted):
             kept.say(f"  left out: {', '.join(names)}: {why}")
         return ["rotors.tsv"]
     kept.step("choice", "choosing the softest paths that are sane together", [*result.files(), "report.tsv"],
-              [o.paths, unwanted, o.basins, o.single_points], compute)
+              [o.paths, unwanted, o.beyond, o.single_points], compute)
     taken = {row["path"] for row in files.rows(kept, "rotors.tsv", ROTORS) if row["taken"] == "yes"}
     return [f.name for f in lowest_first if f.name in taken]
 
@@ -67,7 +67,7 @@ def _fault(start, result, definition):
             who = " and ".join(names) if len(names) < 3 else "all paths"
             return f"{who}{' combined' * (len(names) > 1)}{': ' * bool(names)}{problem['what']}"
         combined = [m for m in found["minima"] if sum(t != 0 for t in m["t"]) > 1]
-        return _missed(start, result.x, name, combined) if start.options.basins and combined else ""
+        return _missed(start, result.x, name, combined) if start.options.beyond and combined else ""
     finally:
         remove(folder.path(name))
 
@@ -89,3 +89,13 @@ def shape(folder, definition, t):
     """The atoms (angstrom) of the model at t."""
     text = folder.run("molecule-check", definition, "--xyz=" + ",".join(map(repr, t))).out
     return xyz.frames_of(text, definition)[0].x
+
+
+def nothing_turns(kept):
+    """The sentence about a molecule without a path, with the reason of each."""
+    why = {}
+    for row in files.rows(kept, "rotors.tsv", ROTORS):
+        why.setdefault(row["why"], []).append(row["path"])
+    if not why:
+        return "NOTHING TURNS in this grid: the molecule has no bond that could"
+    return "NOTHING TURNS in this grid" + "".join(f"; {', '.join(names)}: {text}" for text, names in why.items())

@@ -18,20 +18,23 @@ depends on it. DIR can be renamed and copied. The steps are:
   molecule     The file is read; hydrogens and a shape are added if missing.
   structures   xtb finds the conformation and the barriers around the bonds.
   choice       The lowest barriers are chosen whose paths can be combined
-               without colliding atoms (with --basins, with minima behind them).
+               without colliding atoms.
   resolution   A coarse grid shows the box and the spacing that are needed.
   grid         The grid is computed and verified.
-  way          A way of the probe that turns one torsion, there and back.
+  way          A way of the hand that turns one torsion, there and back.
+
+The hand holds an atom and leads it over the barriers of the bonds that move it.
+With --push it pushes at the molecule with a ball instead.
 """
 
 AFTERWARDS = f"""\
 Files in DIR, where NAME is the folder's name when it was new:
-  index.html       summary, and the molecule as it is pushed
+  index.html       summary, and the molecule as the hand moves it
   rotors.tsv       the bonds that were tried, taken and left out, and why
   NAME.toml        definition of the grid; NAME.grid is the grid itself
   verify.txt       report of verify
   *.xyz            conformation and paths; report.tsv has their energies
-  path-*.txt       ways of the probe
+  path-*.txt       ways of the hand
 
 Rings keep their shape, unless paths lead between the minima of an ensemble. Of
 several molecules or records the largest is taken, with at most 100 atoms. The
@@ -41,7 +44,7 @@ same molecule gives the same grid on each machine.
 
 examples:
   hapgrid molecule ibuprofen.sdf -o ibuprofen -j 2
-  hapgrid molecule --smiles 'CC(C)O' -o propanol
+  hapgrid molecule --smiles ClCCCl -o dichloroethane
   hapgrid molecule loop.pdb -o loop --keep-conformation --until definition
 """
 
@@ -73,16 +76,23 @@ def parser():
                    help="highest barrier that is looked for, in kJ/mol (default: 150)")
     p.add_argument("--paths", type=number(0, 16, int), metavar="N", default=6,
                    help="largest number of paths that are taken (default: 6)")
+    p.add_argument("--hold", metavar="ATOM",
+                   help="atom that the hand holds: its name (C4), its number, or a SMARTS; of several, with commas between, "
+                   "their centre (default: an end of the torsion that parts the molecule most evenly)")
+    p.add_argument("--soft", action="store_true",
+                   help="tie the hand to the atom so softly that the molecule snaps over its barriers")
+    p.add_argument("--push", action="store_true",
+                   help="push with a ball instead of holding an atom; paths end on their barriers")
     p.add_argument("--basins", action="store_true",
-                   help="continue paths beyond their barriers into the minima behind them; of an ensemble in an XYZ "
-                   "file, look for paths between its minima")
+                   help="with --push, continue paths beyond their barriers into the minima behind them; of an ensemble in "
+                   "an XYZ file, look for paths between its minima")
     p.add_argument("--torsions", metavar="NAMES",
                    help="bonds that may turn, as rotors.tsv names them, with commas between (default: all); "
-                   "NAME-plus and NAME-minus turn in one direction only")
+                   "with --push, NAME-plus and NAME-minus turn in one direction only")
     p.add_argument("--spacing", type=number(0.1, 3), metavar="H",
                    help="spacing of the grid in angstrom (default: that at which shapes are off by at most "
                    f"{resolution.WANTED:g} in 99 of 100 places, {resolution.COARSEST:g} at most, but at most {resolution.MOST_POINTS} points; with "
-                   f"--basins {resolution.FINEST:g}, but at most {resolution.MOST_POINTS_BETWEEN_BASINS} points)")
+                   f"--push --basins {resolution.FINEST:g}, but at most {resolution.MOST_POINTS_BETWEEN_BASINS} points)")
     p.add_until("structures", "definition")
     return p
 
@@ -93,6 +103,9 @@ def _options(arguments):
         raise UsageError("give either FILE or --smiles (see --help)")
     if o.smiles is not None and o.search:
         raise UsageError("--search: conformers of --smiles are searched anyway (see --help)")
+    if o.push and (o.hold is not None or o.soft):
+        raise UsageError("--push: the hand holds no atom (see --help)")
+    o.beyond = o.basins or not o.push  # whether paths go on behind their barriers
     return o
 
 

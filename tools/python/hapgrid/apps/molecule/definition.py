@@ -22,6 +22,10 @@ WHY = """\
 # far as the torsion does. They are softer where they would have more than half the penalty, or where a
 # grid broke a rule. The stabiliser leads back from the barriers.
 """
+HELD_WHY = """\
+# The tie is stiffer than the barriers are curved, so the hand leads the atom over their tops. The anchors
+# are five times as stiff as the tie: the torsions yield, and not the place of the molecule.
+"""
 COARSE_POINTS = 14  # along the longest side of the first grid
 LEAST_POINTS = 8
 
@@ -40,17 +44,19 @@ class Definition:
     basins: bool = False  # whether paths go on behind their saddles
     stiffness: Stiffness = Stiffness()
     seconds: float = None
+    held: tuple = ()  # (atoms, fixed, holding.Tie), where the hand holds something
 
     @classmethod
-    def around(cls, molecule, result, paths, basins=False, spacing=0.0, room=()):
+    def around(cls, molecule, result, paths, basins=False, spacing=0.0, room=(), corners=None):
         """The box around all shapes of the paths that are taken, with the probe around them, and the room in which a push
         begins. spacing: of the grid, where it is known already; room: how much more each side needs, low x, y, z and high x,
-        y, z, since the molecule yields when it is pushed (grids.py)."""
+        y, z, since the molecule yields when it is pushed (grids.py); corners: of the box, where it is another one."""
         radius = np.array([RADII[z] for z in molecule.numbers])[:, None]
         shapes = [result.x] + [node for f in result.found if f.name in paths for node in f.nodes]
         x = np.array(shapes) * BOHR
         low = (x - radius).min(axis=(0, 1)) - PROBE - CLEAR
         high = (x + radius).max(axis=(0, 1)) + PROBE + CLEAR
+        low, high = (low, high) if corners is None else corners
         # COARSE_POINTS are of a grid that goes a cell farther on each side.
         cell = spacing or round(math.ceil(float((high - low).max()) / (COARSE_POINTS - 3) / 0.05 - 1e-9) * 0.05, 2)
         more = np.reshape(room or np.zeros(6), (2, 3))
@@ -62,7 +68,7 @@ class Definition:
         return [max(int(n) + 1, LEAST_POINTS) for n in cells]
 
     def text(self):
-        why = "" if self.basins or not self.paths else WHY
+        why = HELD_WHY if self.held else "" if self.basins or not self.paths else WHY
         origin = (self.low + self.high - (np.array(self.counts()) - 1) * self.spacing) / 2
         paths = "".join(f'  "{name}.xyz",\n' for name in self.paths)
         if self.paths:
@@ -71,6 +77,20 @@ class Definition:
         names = "".join(f'  "{t.name} {" ".join(str(a + 1) for a in t.atoms)}",\n' for t in self.torsions)
         if names:
             names = f"torsions = [              # what pictures name: four atoms by their numbers, from 1\n{names}]\n"
+        shift, rotation = self.stiffness.shift, self.stiffness.rotation
+        hand = f"""\
+probe_radius = {PROBE}        # of the ball that is the HIP, Å
+penalty = {PENALTY}             # of the probe's overlap with an atom, kJ/(mol Å²)
+"""
+        if self.held:
+            atoms, fixed, tie = self.held
+            force, width, shift, rotation = tie.rounded()
+            hand = f"""\
+hold = {_numbers(atoms)}                # atoms whose centre the hand holds, by their numbers from 1
+fixed = {_numbers(fixed)}  # those that stay while the shape changes
+hold_force = {force:<11g} # the most that the tie between hand and atom pulls, kJ/(mol Å)
+hold_width = {width:<11g} # near the atom the tie is a spring of hold_force / hold_width, Å
+"""
         return f"""\
 # {self.title}: made by `hapgrid molecule`, which keeps what is changed here and computes the
 # grid anew when it is run again. Lengths in Å.
@@ -82,10 +102,8 @@ plugin = "molecule"
 conformation = "conformation.xyz"
 {paths}
 [model.parameters]
-probe_radius = {PROBE}        # of the ball that is the HIP, Å
-penalty = {PENALTY}             # of the probe's overlap with an atom, kJ/(mol Å²)
-{why}shift_stiffness = {f"{self.stiffness.shift:g}":<7} # of the anchor that holds the molecule in its place, kJ/(mol Å²)
-rotation_stiffness = {f"{self.stiffness.rotation:g}":<4} # and of that which holds its orientation, kJ/(mol rad²)
+{hand}{why}shift_stiffness = {f"{shift:g}":<7} # of the anchor that holds the molecule in its place, kJ/(mol Å²)
+rotation_stiffness = {f"{rotation:g}":<4} # and of that which holds its orientation, kJ/(mol rad²)
 morph_stiffness = {f"{self.stiffness.morph:g}":<7} # stabiliser ½ m t² of each t, kJ/mol; no part of the molecule's energy
 substep = 0.05            # of the HIP between two minimisations, Å
 tolerance = 0.1           # states whose atoms are no farther apart, RMS, are one; Å
@@ -99,6 +117,10 @@ counts = {self.counts()}
 [search]
 max_levels = {MAX_LEVELS}           # states that a grid point may have
 """
+
+
+def _numbers(atoms):
+    return [a + 1 for a in atoms]
 
 
 def paths_of(path):

@@ -7,6 +7,7 @@ probe holds it there, and what lies behind is cut off. The box is then made a ce
 
 import json
 import math
+import re
 from dataclasses import asdict, astuple, dataclass, field, replace
 
 import numpy as np
@@ -15,7 +16,7 @@ from hapgrid.apps.common.cli import BreaksRule
 from hapgrid.apps.common.files import Failed
 from hapgrid.apps.common.work import about, duration
 
-from . import choice, resolution, stiffness, xyz
+from . import choice, holding, resolution, stiffness, xyz
 from .definition import Definition, MAX_LEVELS, PENALTY, paths_of
 from .xtb import BOHR, HARTREE
 
@@ -27,7 +28,7 @@ ROOM, RULE = "room", "rule"
 # What else is wrong with a grid, and what that means for its stiffest path: why expand cannot compute it, by the word that
 # it writes to the file of --cost, or that verify finds it broken where the anchors cannot be softer.
 HOPELESS = {"levels": f"with it a point has more than {MAX_LEVELS} states",
-            "model": "with it the molecule does not come to rest", RULE: "with it the grid breaks a rule"}
+            "model": "with it the molecule does not come to rest", RULE: "with it the grid breaks {}: see {}"}
 
 
 @dataclass(frozen=True)
@@ -37,6 +38,7 @@ class Fault:
     kind: str
     text: str
     sides: tuple = ()
+    rule: str = ""  # that verify finds broken, in words
 
 
 @dataclass(frozen=True)
@@ -69,21 +71,30 @@ def make_grid(start, shapes):
     by_hand = kept.changed_by_hand(toml)
     if by_hand:
         kept.say(f"{toml} was changed by hand: it is kept")
-    key = [kept.digest("report.tsv"), start.options.paths, start.options.basins, start.options.spacing]
+    o = start.options
+    key = [kept.digest("report.tsv"), o.paths, o.beyond, o.push, o.hold, o.soft, o.spacing]
     remedies = Remedies.of(kept.recall("remedies", key))
     while True:
         one, fault = (Definition(name, paths_of(kept.path(toml))), None) if by_hand else planned(start, shapes, remedies)
         if fault is None and start.options.until is None:
             # Where a coarse grid told the spacing it told the room, too.
-            fault = grid_fault(start, one, start.options.spacing and remedies.may_widen and not by_hand)
+            look = start.options.spacing and remedies.may_widen and not by_hand and not one.held
+            fault = grid_fault(start, one, look)
         if fault is None:
             return one
         cured = None if by_hand else cure(remedies, fault, one)
         if cured is None:
             raise (BreaksRule if fault.kind == RULE else Failed)(fault.text)
+        if fault.kind == RULE and len(cured[0].unwanted) > len(remedies.unwanted):
+            kept.write(report_without(one.paths[-1]), kept.read("verify.txt"))
         remedies, words = cured
         kept.remember("remedies", key, asdict(remedies))
         kept.say("  " + words)
+
+
+def report_without(path):
+    """The file that keeps verify's report on the grid that had this path."""
+    return f"verify-{path}.txt"
 
 
 def cure(remedies, fault, definition):
@@ -92,11 +103,12 @@ def cure(remedies, fault, definition):
     if fault.kind == ROOM:
         more = tuple(a + b for a, b in zip(remedies.sides, fault.sides))
         return replace(remedies, sides=more), f"{fault.text}, which is made wider"
-    if fault.kind == RULE and rule != rule.softer(2):
+    if fault.kind == RULE and rule != rule.softer(2) and not definition.held:
         # Where the molecule cannot yield, the probe goes through it, and the spacing does not resolve that.
         return replace(remedies, softer=2 * remedies.softer), f"{fault.text}: anchors half as stiff are tried"
     if fault.kind in HOPELESS and paths:
-        stiffest, why = paths[-1], HOPELESS[fault.kind]
+        stiffest = paths[-1]
+        why = HOPELESS[fault.kind].format(fault.rule, report_without(stiffest))
         return Remedies({**remedies.unwanted, stiffest: why}), f"{stiffest} is left out: {why}"
     return None
 
@@ -104,12 +116,23 @@ def cure(remedies, fault, definition):
 def planned(start, shapes, remedies):
     """(the Definition of the grid, the Fault of its coarse grid or None)."""
     o, kept = start.options, start.folder
-    paths = choice.choose(start, shapes, remedies.unwanted)
-    one = Definition.around(start.molecule, shapes, paths, o.basins, o.spacing or 0.0, remedies.sides)
+    hold = holding.decided(start, shapes)
+    still = {}
+    if hold and hold.torsions:
+        moving = {t.name for t in hold.torsions}
+        why = f"does not move {holding.words(start.molecule, hold.atoms)}, which is held"
+        still = {f.name: why for f in shapes.found if f.name not in moving}
+    paths = choice.choose(start, shapes, still | remedies.unwanted)
+    corners = holding.box(shapes, hold, paths) if hold and paths else None
+    one = Definition.around(start.molecule, shapes, paths, o.beyond, o.spacing or 0.0, remedies.sides, corners)
     one.torsions = start.turned_by(paths)
-    one.stiffness = stiffness_of(start, shapes, paths, remedies.softer)
+    if corners is None:
+        one.stiffness = stiffness_of(start, shapes, paths, remedies.softer)
+    else:
+        one.held = (hold.atoms, hold.fixed, holding.tie(shapes, hold, paths, o.soft))
+        kept.say(f"  the hand holds {holding.words(start.molecule, hold.atoms)}")
     if not o.spacing:
-        one, fault = resolved(start, shapes, one, remedies.may_widen)
+        one, fault = resolved(start, shapes, one, remedies.may_widen and not one.held)
         if fault is not None:
             return one, fault
     text = one.text()
@@ -123,7 +146,7 @@ def planned(start, shapes, remedies):
 
 def stiffness_of(start, shapes, paths, softer):
     kept = start.folder
-    if not paths or start.options.basins:
+    if not paths or start.options.beyond:
         return stiffness.Stiffness()
 
     def compute():
@@ -201,7 +224,7 @@ def grid_fault(start, definition, look_for_room):
     toml, made = f"{name}.toml", f"{name}.grid"
 
     def compute():
-        what = f"computing {made}, how the molecule yields at each place of the probe"
+        what = f"computing {made}, how the molecule yields at each place of the hand"
         return computed(start, what, name, definition.seconds, look_for_room) or [made, f"{made}.cost"]
     fault = kept.step("grid", "", [toml, "conformation.xyz", *(path + ".xyz" for path in definition.paths)], [], compute)
     if fault is not None:
@@ -211,5 +234,9 @@ def grid_fault(start, definition, look_for_room):
     def verify():
         seconds = VERIFY_SHARE * grid.cpu_seconds(kept, made) / o.threads
         fine = grid.verify(kept, title, made, o.threads, seconds)
-        return ["verify.txt"] if fine else Fault(RULE, f"{made} breaks a rule: see {kept.path('verify.txt')}")
+        if fine:
+            return ["verify.txt"]
+        broken = re.findall(r"^(\S+) .* (?:broken|BROKEN)$", kept.read("verify.txt"), re.M)
+        rule = "the rule " + " and ".join(broken) if broken else "a rule"
+        return Fault(RULE, f"{made} breaks {rule}: see {kept.path('verify.txt')}", rule=rule)
     return kept.step("verify", title, [made], [], verify)

@@ -17,7 +17,7 @@ from .xyz import frames, frames_of
 ALL_BONDS = 4 | 8  # of RDKit: bonds between all atoms, each once
 CURVES = (("energy.png", "own_energy", "energy of the molecule / (kJ/mol)"), ("force.png", "sent", "force on the hand / N"))
 METHODS = {"gfn2": "GFN2-xTB", "gfnff": "GFN-FF"}
-FEEL = """<p><a href="feel.html">Push the molecule with the mouse or a finger</a>: this page needs neither hapgrid nor a
+FEEL = """<p><a href="feel.html">Move the molecule with the mouse or a finger</a>: this page needs neither hapgrid nor a
 network, and can be sent to others."""
 SPINS = ("singlet", "doublet", "triplet", "quartet", "quintet")
 
@@ -35,8 +35,9 @@ def write(start, turned, ways):
     for name, column, label in CURVES:
         run("plot", "columns", "played.log", "--y", column, "--labels", f"time / s,{label}", "-o", name)
     log = read_log(kept.read("played.log"))
-    x, y = (log[a][len(log[a]) // 2] - log[a][0] for a in "xy")
-    azimuth = f"{np.degrees(np.arctan2(y, x)):.0f}"  # from which the probe comes from the left
+    x, y = (log[a] - log[a][0] for a in "xy")
+    far = int((x**2 + y**2).argmax())
+    azimuth = f"{np.degrees(np.arctan2(y[far], x[far])):.0f}"  # from which the probe comes from the left
     run("view", "played.frames", "--azimuth", azimuth, "--elevation", "10", "--html", "played.html")
     felt = kept.feel_page(f"{kept.name()}.grid")
     kept.write("index.html", page(start, turned, ways, felt))
@@ -76,7 +77,7 @@ def page(start, turned, ways, felt):
         "SAID": html.escape(kept.read(ways[0]).split("\n", 1)[0].lstrip("# ")),
         "FACTS": "".join(f"<dt>{key}<dd>{value if key == 'Formula' else html.escape(value)}"
                          for key, value in facts.items() if value),
-        "FEEL": FEEL if felt else "", "GRID": html.escape(shlex.quote(f"{name}.grid")), "WAY": html.escape(shlex.quote(f"path:{ways[0]}")),
+        "FEEL": ("" if turned else f"<p>{html.escape(choice.nothing_turns(kept))}.") + (FEEL if felt else ""), "GRID": html.escape(shlex.quote(f"{name}.grid")), "WAY": html.escape(shlex.quote(f"path:{ways[0]}")),
         "TOML": html.escape(f"{name}.toml"), "TABLE": barriers(kept), "METHOD": html.escape(method),
         "MOLECULE": json.dumps(molecule).replace("<", "\\u003c"), "VERIFY": html.escape(kept.read("verify.txt"))}
     return re.sub("@([A-Z]+)@", lambda found: parts[found[1]], TEMPLATE)

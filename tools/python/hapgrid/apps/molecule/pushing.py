@@ -1,4 +1,5 @@
-"""The probe's ways. Each comes from outside, pushes at an atom in the direction in which a path moves it, and goes back on the
+"""The hand's ways. Where it holds an atom, each leads this along the way on which a path moves it: all round and back where
+the path closes, otherwise to both ends. Where it pushes with the probe, each comes from outside, pushes at an atom in the direction in which a path moves it, and goes back on the
 same line. Several such lines are played, and the best is kept: where a path goes on behind its barriers one that leaves the
 molecule in another minimum, otherwise the one that turns the torsion farthest.
 """
@@ -8,6 +9,7 @@ import json
 import numpy as np
 from hapgrid.apps.common import files
 
+from . import geometry, holding
 from .definition import CLEAR, PROBE, RADII, paths_of
 from .rotors import label
 from .xtb import BOHR
@@ -67,7 +69,50 @@ def lines(x, move, reach, clear, low, high):
     return [line for _, line in out[:TRIED]]
 
 
-def write(folder, grid, structures, threads):
+OVER, STAYS_THERE = "over {} of its {} barriers", "goes over its barrier, and stays there"
+
+
+def write(start, grid, structures):
+    """Writes the files path-NAME.txt and returns their names. structures: results.Result."""
+    hold = holding.decided(start, structures)
+    taken = paths_of(start.folder.path(grid.removesuffix(".grid") + ".toml"))
+    if not hold or not taken:
+        return _pushed(start.folder, grid, structures, start.options.threads)
+    return _held(start, grid, structures, hold, taken)
+
+
+def _held(start, grid, structures, hold, taken):
+    folder, found = start.folder, {f.name: f for f in structures.found}
+    what, made = holding.words(start.molecule, hold.atoms), []
+    for k, (name, (places, energies)) in enumerate(holding.ways(structures, hold, taken).items()):
+        file, path = f"path-{name}.txt", found[name]
+        ticks = holding.there_and_back(path, places)
+        write_way(folder, file, ticks, "tried")
+        saddles = _saddles(path, energies)
+        t = read_log(folder.run("play", grid, "--device", f"path:{file}", "--log", "-").out)[f"s{taken.index(name)}"]
+        over = sum(_crossed(t, at) for at in saddles)
+        said = OVER.format(over, len(saddles)) if over < len(saddles) else "over all its barriers" if over > 1 else "over its barrier"
+        write_way(folder, file, ticks, f"The hand holds {what} and leads it along its own way, and back: {name} goes {said}.")
+        made.append((-over, k, file))
+    return [file for *_, file in sorted(made)]
+
+
+def _saddles(path, energies):
+    """The t of each barrier of a path: where its energy is higher than at both neighbours. Both ends of one that closes are one
+    barrier."""
+    last = len(energies) - 1
+    closes = geometry.rms(path.nodes[0], path.nodes[-1]) < 1e-6
+    tops = [k for k in range(1, last) if energies[k - 1] < energies[k] >= energies[k + 1]]
+    return [(k - path.start) / last for k in tops + [last] * closes]
+
+
+def _crossed(t, at):
+    """Whether t passed a barrier, of which it has one value before and another after."""
+    off = (t - at + 0.5) % 1 - 0.5
+    return bool(((off[1:] * off[:-1] < 0) & (np.abs(off[1:] - off[:-1]) < 0.3)).any())
+
+
+def _pushed(folder, grid, structures, threads):
     """Writes the files path-NAME.txt of the paths in a grid, and returns their names: first those that lead over a barrier,
     then that which turns most."""
     found, x = {f.name: f for f in structures.found}, structures.x * BOHR
@@ -83,7 +128,7 @@ def write(folder, grid, structures, threads):
                          range(len(tries)), threads)
     best = {}
     for (stays, turn), (k, line) in sorted(zip(played, tries), key=lambda one: one[0], reverse=True):
-        how = "goes over its barrier, and stays there" if stays else f"goes {min(100 * turn, 100):.0f} % of its way"
+        how = STAYS_THERE if stays else f"goes {min(100 * turn, 100):.0f} % of its way"
         best.setdefault(taken[k], (line, f": {taken[k]} {how}"))
     if not best:  # nothing turns
         best = {"past": (line, "") for line in towards(np.tile(PAST, (len(x), 1)))[:1]}

@@ -36,8 +36,9 @@ def decide(report, definition):
     coarse = definition.spacing
     # Where contact begins, errors fall in proportion to the spacing, elsewhere sooner.
     wanted = min(COARSEST, coarse * WANTED / max(error, WANTED) if enough is None else enough)
-    spacing = FINEST if definition.basins else max(FINEST, math.floor(wanted / STEP + 1e-9) * STEP)
-    most = MOST_POINTS_BETWEEN_BASINS if definition.basins else MOST_POINTS
+    tips = definition.basins and not definition.held
+    spacing = FINEST if tips else max(FINEST, math.floor(wanted / STEP + 1e-9) * STEP)
+    most = MOST_POINTS_BETWEEN_BASINS if tips else MOST_POINTS
     while spacing < coarse and math.prod(replace(definition, spacing=spacing).counts()) > most:
         spacing += STEP
     return round(min(spacing, coarse), 4)

@@ -28,20 +28,21 @@ def _ask(question):
             return Dropped(str(why), isinstance(why, optimise.TurnsFreely))
     if kind is None:
         return compute()
-    inputs = [method.__name__, plain(value), _search.x.tolist(), _search.start.options.highest]
+    inputs = [method.__name__, plain(value), _search.x.tolist(), _search.start.options.highest, _search.start.options.push]
     return _search.kept([kind, Dropped], inputs, compute)
 
 
 class Search:
     """torsions: all that could turn; driven: those that are turned; jobs: {name of a path: (one of these, direction, None for
-    both)}. shapes: [(number of a frame, shape in angstrom)] of an ensemble, between whose minima paths are looked for."""
+    both)}. hold: holding.Hold, whose torsions alone are turned; shapes: [(number of a frame, shape in angstrom)] of an ensemble, between whose minima paths are looked for."""
 
-    def __init__(self, start, shapes):
+    def __init__(self, start, shapes, hold=None):
         self.start, self.molecule, self.shapes = start, start.molecule, shapes
         self.torsions, self.driven = rotors.find(start.molecule), start.turning
         self.jobs = {t.file_name(sign): (t, sign) for t in self.driven for sign in t.signs}
-        if start.options.basins:
-            self.jobs = {t.name: (t, None) for t in self.driven if not t.rotor}
+        if start.options.beyond:  # behind the barrier of a rotor lies the same shape, unless one of its atoms is held
+            driven = [t for t in self.driven if not t.rotor] if start.options.push else hold.torsions if hold else []
+            self.jobs = {t.name: (t, None) for t in driven}
 
     def say(self, text):
         self.start.folder.say("  " + text)

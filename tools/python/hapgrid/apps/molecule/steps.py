@@ -12,7 +12,7 @@ import numpy as np
 from hapgrid.apps.common.files import Failed, digest_of, read_bytes
 from hapgrid.apps.common.work import Work, about
 
-from . import files, geometry, grids, molecule, optimise, page, pushing, reading, rotors, singles, structures
+from . import choice, files, geometry, grids, holding, molecule, optimise, page, pushing, reading, rotors, singles, structures
 from .cli import GFN2_ATOMS
 from .molecule import signed
 from .xtb import BOHR, Surface, XtbError, load
@@ -93,7 +93,7 @@ def read(o):
     turning, rings = rotors.find(one), len(one.rings())
     if o.torsions is not None:  # with basins paths go both ways
         wanted = set(o.torsions.split(","))
-        unknown = sorted(wanted - {name for t in turning for name in ([t.name] if o.basins else [t.name, *t.file_names()])})
+        unknown = sorted(wanted - {name for t in turning for name in ([t.name] if o.beyond else [t.name, *t.file_names()])})
         if unknown:
             raise Failed(f"--torsions: no bond {unknown[0]} turns, only " + ", ".join(t.name for t in turning))
         turning = [t if t.name in wanted else replace(t, signs=tuple(s for s in t.signs if t.file_name(s) in wanted))
@@ -125,7 +125,7 @@ def find_structures(start):
                                f"charge {signed(start.molecule.charge)}, {start.molecule.unpaired} unpaired electrons")
     kept.step("structures", "looking for the conformation and the barriers around it", ["start.sdf"],
               [start.method, o.solvent, start.points and start.points.key, start.molecule.charge, start.molecule.unpaired,
-               start.search, o.highest, o.basins, o.keep_conformation, [name for t in start.turning for name in t.file_names()],
+               start.search, o.highest, o.basins, o.push, o.hold, o.keep_conformation, [name for t in start.turning for name in t.file_names()],
                [x.tolist() for _, x in shapes]], compute)
     return files.read_set(kept)
 
@@ -133,8 +133,10 @@ def find_structures(start):
 def estimate(start):
     """Says how long the structures take, within a factor of 2 or so, from the CPU time of a gradient and of a step: what else
     the machine does is not known beforehand. Where xtb refuses the shape, the search itself says why."""
-    o, x = start.options, start.molecule.positions / BOHR
-    ways, soft = sum(len(t.signs) for t in start.turning), sum(not t.rotor for t in start.turning)
+    o, x, turning = start.options, start.molecule.positions / BOHR, start.turning
+    if not o.push:
+        turning = next((hold.torsions for hold in holding.candidates(start.molecule, turning, o.hold, x)), ())
+    ways, soft = sum(len(t.signs) for t in turning), sum(not t.rotor for t in turning)
 
     def takes(compute):
         return min(timeit.repeat(compute, timer=time.process_time, number=1, repeat=5))
@@ -144,7 +146,7 @@ def estimate(start):
         step = takes(lambda: optimise.projected(np.eye(x.size), x))
     except XtbError:
         return
-    count = HESSIANS + ways * (HESSIANS + (HESSIANS_BEHIND if o.basins else 0)) * (1 + soft / FLEXIBLE)
+    count = HESSIANS + ways * (HESSIANS + (HESSIANS_BEHIND if o.beyond else 0)) * (1 + soft / FLEXIBLE)
     cores = min(o.threads, max(ways, 1))
     seconds = 2 * x.size * count * (gradient + ALGEBRA * step) / cores
     start.folder.say(f"  {about(seconds, cores)} for conformation and barriers, more where a lower minimum is found")
@@ -154,15 +156,17 @@ def show(start, shapes, paths):
     """The line that shows the grid."""
     o, kept = start.options, start.folder
     grid = f"{kept.name()}.grid"
-    kept.step("pushing", "looking for the probe's ways that turn the molecule", [grid], [],
-              lambda: pushing.write(kept, grid, shapes, o.threads))
+    kept.step("pushing", "looking for the hand's ways that turn the molecule", [grid], [],
+              lambda: pushing.write(start, grid, shapes))
     made = [n for n in kept.made("pushing") if n.endswith(".txt")]
     if not made:
-        raise Failed(f"{kept.path(grid)}: no way of the probe is found that pushes the molecule; hapgrid feel shows the grid")
+        raise Failed(f"{kept.path(grid)}: no way of the hand is found that moves the molecule; hapgrid feel shows the grid")
     facts = [start.source, start.molecule.charge, start.molecule.unpaired, start.method]
     kept.step("page", "writing the page", [grid, *made, "rotors.tsv", "report.tsv", "verify.txt"], facts,
               lambda: page.write(start, start.turned_by(paths), made))
+    grid, way, me = kept.in_shell(grid), kept.in_shell(made[0]), kept.launcher()
     kept.say(f"done: {kept.in_shell('index.html')} sums up")
-    grid, way = kept.in_shell(grid), kept.in_shell(made[0])
-    kept.say(f"{kept.in_shell('feel.html')} is a page in which the mouse is the hand; so is hapgrid feel {grid}")
-    return f"hapgrid play {grid} --device path:{way} --rate 1000 --frames - | hapgrid view --web"
+    kept.say(f"{kept.in_shell('feel.html')} is a page in which the mouse is the hand; so is {me} feel {grid}")
+    nothing = "" if paths else choice.nothing_turns(kept) + "
+"
+    return nothing + f"{me} play {grid} --device path:{way} --rate 1000 --frames - | {me} view --web"

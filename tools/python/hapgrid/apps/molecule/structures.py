@@ -6,22 +6,37 @@ not depend on the number of processes.
 
 from dataclasses import replace
 
-from . import beyond, ensemble, rotors, torsions
+from . import beyond, ensemble, holding, rotors, torsions
 from .results import Dropped, Path, Point
 from .search import Search
 from .xtb import BOHR
 
 RESTARTS = 4
+HOLDS = 3  # atoms that are tried, where nothing moves the first
 LOWER = 0.5  # kJ/mol: a minimum that is lower by this is another one
 
 
 def explore(start, shapes):
-    """The Result of a molecule. shapes: of an ensemble, as Search has them."""
+    """The Result of a molecule. shapes: of an ensemble, as Search has them. An atom that is held is one that a path moves."""
+    o = start.options
+    if o.push:
+        return _explored(start, shapes, None)
+    holds = holding.candidates(start.molecule, start.turning, o.hold, start.molecule.positions / BOHR)
+    result = None
+    for hold in holds[:1 if shapes else HOLDS]:
+        result = _explored(start, shapes, hold)
+        if result.found:
+            break
+        start.folder.say(f"  no bond leads {holding.words(start.molecule, hold.atoms)} over a barrier")
+    return result or _explored(start, shapes, None)
+
+
+def _explored(start, shapes, hold):
     o, keep = start.options, not start.search
-    what, method = ("following torsions from minimum to minimum", beyond.whole) if o.basins else (
+    what, method = ("following torsions from minimum to minimum", beyond.whole) if o.beyond else (
         "driving torsions to their barriers", Search.to_barrier)
     for left in reversed(range(1 if o.keep_conformation else RESTARTS + 1)):
-        search, found = Search(start, shapes), {}
+        search, found = Search(start, shapes, hold), {}
         search.find_conformation(keep)
         search.say("conformation: a minimum, " + start.method)
         minima = _minima(search) if shapes else []
@@ -59,7 +74,7 @@ def _words(search, points):
 
 def _turned(search, found):
     """The Result of {job: its Path or Dropped}, with each saddle once."""
-    basins = search.start.options.basins
+    basins = search.start.options.beyond
     ways = {job: one for job, one in found.items() if not isinstance(one, Dropped)}
     dropped = {job: one for job, one in found.items() if isinstance(one, Dropped)}
     free = {search.jobs[job][0].name for job, one in dropped.items() if one.free}
@@ -75,7 +90,7 @@ def _turned(search, found):
             other.append((one.name, one.why or f"the saddle of {same}"))
         else:
             paths.append(one)
-    if basins:
+    if search.start.options.push and basins:
         other += [(t.name, "the same shape lies behind its barrier") for t in search.driven if t.rotor]
     return search.result(paths, [(job, one.why) for job, one in dropped.items()] + other)
 

@@ -1,0 +1,226 @@
+"""What the hand holds, what of the molecule is fixed, and how stiff the tie between hand and atom is.
+
+A torsion turns two parts of the molecule against each other. The hand holds an atom of one part, and the other part, with
+both atoms of the bond, is fixed: the model aligns each shape to that part alone, so that the held atom goes on a circle and
+the hand feels the torsion. Without that both parts would turn half as far, and the anchors would yield instead.
+
+Along the held atom's way the torsion's energy E has the curvature E''. A tie that is stiffer than the largest -E'' leads the
+atom over the top of a barrier, where it can be balanced; a softer one lets it snap over.
+"""
+
+import re
+from dataclasses import dataclass, replace
+
+import numpy as np
+from hapgrid.apps.common.cli import UsageError
+from hapgrid.apps.common.files import Failed
+from rdkit import Chem
+from scipy.interpolate import CubicSpline
+
+from . import geometry, rotors
+from .elements import MASSES
+from .molecule import listed
+from .xtb import BOHR, HARTREE
+
+STIFF, SOFT = 2.0, 0.5  # times the largest -E'': the tie's stiffness
+LEAST_TIE, MOST_TIE = 20.0, 4000.0  # kJ/(mol Å²); a softer one is a rubber band, where barriers are low
+PULLS = 4.0  # times the largest slope: the most that the tie pulls
+LEAST_PULL = 20.0  # kJ/(mol Å)
+ANCHORS = 5.0  # times the tie, at the held atom: so much stiffer are the springs that hold the molecule
+LEAST_WAY = 0.4  # angstrom: a torsion that moves the held atom less far cannot be felt there
+TURN = np.radians(120)  # by which it is turned to see that
+ROOM = 0.8  # angstrom from the held atom's way to the sides of the box
+STEP = 0.002  # angstrom a tick, of a way
+
+
+@dataclass(frozen=True)
+class Hold:
+    """atoms: whose centre is held; fixed: those that stay; torsions: those that move what is held; counted from 0."""
+    atoms: tuple
+    fixed: tuple
+    torsions: tuple
+
+
+@dataclass(frozen=True)
+class Tie:
+    """force: the most, kJ/(mol Å); stiffness: at the atom, kJ/(mol Å²); arm: of what is held from the centre of what is fixed,
+    Å."""
+    force: float
+    stiffness: float
+    arm: float
+
+    def rounded(self):
+        """What a definition says: (force, width, shift stiffness, rotation stiffness)."""
+        force, tie = (float(f"{v:.2g}") for v in (self.force, self.stiffness))
+        shift = min(ANCHORS * tie, 1e5)
+        return force, float(f"{force / tie:.3g}"), float(f"{shift:.2g}"), float(f"{min(shift * max(self.arm, 1)**2, 1e6):.2g}")
+
+
+def named(molecule, text):
+    """The atoms of --hold: names as in the pictures, numbers from 1, or a SMARTS, with commas between.
+    Errors: UsageError, where there is no such atom."""
+    names = {rotors.label(molecule.numbers, a): a for a in range(len(molecule.numbers))}
+    names.update({str(a + 1): a for a in names.values()})
+    words = [word.strip() for word in text.split(",")]
+    if all(word in names for word in words):
+        return tuple(sorted({names[word] for word in words}))
+    pattern = Chem.MolFromSmarts(text)
+    if pattern is None or all(re.fullmatch(r"[A-Z][a-z]?\d+|\d+", word) for word in words):
+        missing = next(word for word in words if word not in names)
+        raise UsageError(f"--hold: no atom {missing}, and no SMARTS: the atoms are {listed(list(names)[:len(molecule.numbers)])}")
+    match = molecule.matches(text)
+    if not match:
+        raise UsageError(f"--hold: the SMARTS {text} matches nothing in the molecule")
+    return tuple(sorted(match[0]))
+
+
+def words(molecule, atoms):
+    return ("the centre of " if len(atoms) > 1 else "") + ", ".join(rotors.label(molecule.numbers, a) for a in atoms)
+
+
+def _sides(torsion, count):
+    """The two parts that a torsion turns against each other, without the atoms of its bond."""
+    moved = frozenset(torsion.moved)
+    return moved, frozenset(range(count)) - moved - set(torsion.atoms[1:3])
+
+
+def _fixed_by(torsion, atoms, count):
+    """What is fixed where these atoms are held and the torsion turns; None where it does not part them from anything."""
+    for here, there in (_sides(torsion, count), _sides(torsion, count)[::-1]):
+        if set(atoms) <= here:
+            return tuple(sorted(there | set(torsion.atoms[1:3])))
+    return None
+
+
+def way(x, atoms):
+    return np.asarray(x)[list(atoms)].mean(axis=0)
+
+
+def _goes(torsion, x, hold, masses):
+    """How far a torsion alone moves what is held, angstrom."""
+    turned = geometry.aligned(torsion.turned(x, TURN), x, _weights(masses, hold.fixed))
+    return np.linalg.norm(way(turned, hold.atoms) - way(x, hold.atoms)) * BOHR
+
+
+def _weights(masses, fixed):
+    if not fixed:
+        return masses
+    out = np.zeros(len(masses))
+    out[list(fixed)] = masses[list(fixed)]
+    return out
+
+
+def _of(molecule, torsions, atoms, x):
+    """The Hold of these atoms, where a torsion moves them; fixed is what the nearest such bond parts them from."""
+    count, masses = len(molecule.numbers), np.array([MASSES[z] for z in molecule.numbers])
+    fixed = [one for one in (_fixed_by(t, atoms, count) for t in torsions) if one]
+    if not fixed:
+        return None
+    held = Hold(tuple(atoms), max(fixed, key=len), ())
+    moving = tuple(t for t in torsions if _goes(t, x, held, masses) >= LEAST_WAY)
+    return Hold(held.atoms, held.fixed, moving) if moving else None
+
+
+def candidates(molecule, torsions, wanted, x):
+    """The Holds that are tried, the best first. wanted: of --hold, or None: the atom at which a torsion's lighter side ends,
+    first that of the torsion whose lighter side is heaviest, and methyl groups last. x: a shape, bohr."""
+    if wanted is not None:
+        atoms = named(molecule, wanted)
+        held = _of(molecule, torsions, atoms, x)
+        if not torsions:
+            raise Failed("--hold: no bond of the molecule turns: --push pushes at it as a whole")
+        if held is None:
+            moving = sorted({a for t in torsions for side in _sides(t, len(molecule.numbers)) for a in side})
+            raise Failed(f"--hold: no bond that turns moves {words(molecule, atoms)}: hold "
+                         + listed([rotors.label(molecule.numbers, a) for a in moving]))
+        return [held]
+
+    def weight(side):
+        return round(sum(MASSES[molecule.numbers[a]] for a in side), 3)
+
+    def order(torsion):
+        return torsion.rotor, -min(map(weight, _sides(torsion, len(molecule.numbers))))
+    out = []
+    for torsion in sorted(torsions, key=order):
+        moved, rest = _sides(torsion, len(molecule.numbers))
+        end = torsion.atoms[3] if weight(moved) <= weight(rest) else torsion.atoms[0]
+        held = _of(molecule, torsions, [end], x)
+        if held and all(held.atoms != other.atoms for other in out):
+            out.append(held)
+    return out
+
+
+def decided(start, result):
+    """The Hold for the paths that were found, or None where none was. An ensemble's paths turn several bonds: what moves
+    farthest on them is held, and the molecule stays by its mass."""
+    o, found = start.options, {f.name for f in result.found}
+    if o.push or not found:
+        return None
+    for hold in candidates(start.molecule, start.turning, o.hold, result.x):
+        torsions = tuple(t for t in hold.torsions if t.name in found)
+        if torsions:
+            return replace(hold, torsions=torsions)
+    if o.hold is not None:
+        return Hold(named(start.molecule, o.hold), (), ())
+    count = len(result.numbers)
+    far = [max(np.ptp(places, axis=0).max() for places, _ in ways(result, Hold((a,), (), ()), found).values())
+           for a in range(count)]
+    return Hold((int(np.argmax(far)),), (), ())
+
+
+def ways(result, hold, names):
+    """{name of a path: (places of what is held at its nodes, Å; energies at the nodes, kJ/mol)}"""
+    weights, out = _weights(result.masses, hold.fixed), {}
+    for f in result.found:
+        if f.name in names:
+            shapes = [geometry.aligned(node, result.x, weights) for node in f.nodes]
+            out[f.name] = (np.array([way(shape, hold.atoms) for shape in shapes]) * BOHR,
+                           (np.array(f.energies) - result.energy) * HARTREE)
+    return out
+
+
+def tie(result, hold, names, soft):
+    """The Tie for these paths."""
+    slope = bend = 0.0
+    for places, energies in ways(result, hold, names).values():
+        along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(places, axis=0), axis=1))])
+        keep = np.concatenate([[True], np.diff(along) > 1e-4])
+        if keep.sum() < 4:
+            continue
+        energy = CubicSpline(along[keep], energies[keep])
+        fine = np.linspace(0, along[-1], 20 * len(along))
+        slope, bend = max(slope, np.abs(energy(fine, 1)).max()), max(bend, -energy(fine, 2).min())
+    stiffness = float(np.clip((SOFT if soft else STIFF) * bend, 0 if soft else LEAST_TIE, MOST_TIE))
+    force = max(PULLS * slope, LEAST_PULL)
+    weights = _weights(result.masses, hold.fixed)
+    centre = weights @ result.x / weights.sum()
+    # The tie's width, force / stiffness, is at most 10 Å.
+    return Tie(force, max(stiffness, force / 10), float(np.linalg.norm(way(result.x, hold.atoms) - centre)) * BOHR)
+
+
+def box(result, hold, names):
+    """(low, high): corners of a box with all places of what is held, and room to pull it. Where several torsions move it their
+    ways add up."""
+    rest = way(result.x, hold.atoms) * BOHR
+    low, high = np.zeros(3), np.zeros(3)
+    for places, _ in ways(result, hold, names).values():
+        low += np.minimum((places - rest).min(axis=0), 0)
+        high += np.maximum((places - rest).max(axis=0), 0)
+    return rest + low - ROOM, rest + high + ROOM
+
+
+def there_and_back(path, places):
+    """Places of the hand, a tick each, on which it leads what is held along its way and back: all round and back where the path
+    closes, else to both ends. path: results.Path."""
+    start, last = path.start, len(places) - 1
+    closes = geometry.rms(path.nodes[0], path.nodes[-1]) < 1e-6
+    if closes:
+        nodes = [*range(start, last + 1), *range(1, start + 1)]
+        nodes += nodes[-2::-1]
+    else:
+        nodes = [*range(start, last + 1), *range(last - 1, -1, -1), *range(1, start + 1)]
+    chain = places[nodes]
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(chain, axis=0), axis=1))])
+    keep = np.concatenate([[True], np.diff(along) > 1e-6])
+    ticks = np.linspace(0, along[-1], max(int(along[-1] / STEP), 2))
+    return np.column_stack([np.interp(ticks, along[keep], chain[keep, a]) for a in range(3)])
