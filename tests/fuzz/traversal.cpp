@@ -15,6 +15,7 @@
 #include "libcore/check/continuous.hpp"
 #include "libcore/check/invariants.hpp"
 #include "libcore/check/passive.hpp"
+#include "libcore/follow/branch_traversal.hpp"
 #include "libcore/follow/node_force.hpp"
 #include "libcore/loop/safety.hpp"
 #include "tests/fuzz/fuzz.hpp"

@@ -62,7 +62,7 @@ TEST_CASE("no snap of the ball in its box leads up, also where a finer grid meet
   }
 }
 
-TEST_CASE("exchanged links that lift the ball for nothing are found") {
+TEST_CASE("a grid with exchanged links that lift the ball for nothing is not proved") {
   const Grid grid = hung_ball::grid(kBallBox);
   CHECK(grid.records() == 18104);  // as seed and expand find them, examples/hung-ball
   // Where the ball is pushed highest near y = z = 0, the links to the right of the two levels are
@@ -81,13 +81,11 @@ TEST_CASE("exchanged links that lift the ball for nothing are found") {
   std::swap(columns.links[grid.first(p) * kDirections + q],
             columns.links[(grid.first(p) + 1) * kDirections + q]);
   const Grid exchanged(grid.spec(), 1, columns);
-  const Check check = passive(exchanged, fields_of(exchanged));
-  CHECK(check.verdict() == "broken");
-  REQUIRE(check.found.first.size() == check.found.offenders);
-  bool is_named = false;
-  for (const Offender& offender : check.found.first)
-    is_named |= offender.location.point == p && offender.location.direction == static_cast<int>(q);
-  CHECK(is_named);
+  // Whether it is lifted depends on where it snaps. The model, which does not snap there, is left
+  // to `fidelity`.
+  const BranchNodes map(exchanged);
+  const NodeEnergies nodes(exchanged, &map, fields_of(exchanged));
+  CHECK(check_passive(exchanged, map, nodes).verdict() == "not proved");
 }
 
 TEST_CASE("where the place of a snap decides, the model is asked") {
