@@ -83,8 +83,8 @@ function savePath() {
 
 /// One sentence for somebody who has this file and no other word.
 const introduction = () =>
-  `Drag with the mouse or a finger: the ring is your hand, the magenta ball hangs on it by a thread, and where the ball pushes into the model ` +
-  `the model resists, until it snaps (${data.own.grid}, played by hapgrid ${data.own.version}).`;
+  `Drag with the mouse or a finger: the ring is your hand, the magenta ball hangs on it by a thread, and the model resists where you push the ` +
+  `ball into it, until it yields or snaps (${data.own.grid}, played by hapgrid ${data.own.version}).`;
 
 async function startPlayer() {
   live = true;

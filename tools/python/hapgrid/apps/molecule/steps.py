@@ -166,7 +166,8 @@ def show(start, shapes, paths):
               lambda: page.write(start, start.turned_by(paths), made))
     grid, way, me = kept.in_shell(grid), kept.in_shell(made[0]), kept.launcher()
     kept.say(f"done: {kept.in_shell('index.html')} sums up")
-    kept.say(f"{kept.in_shell('feel.html')} is a page in which the mouse is the hand; so is {me} feel {grid}")
+    felt = kept.in_shell("feel.html") if "feel.html" in kept.made("page") else f"{me} feel {grid}"
+    kept.say(f"{felt} is a page in which the mouse is the hand")
     nothing = "" if paths else choice.nothing_turns(kept) + "
 "
     return nothing + f"{me} play {grid} --device path:{way} --rate 1000 --frames - | {me} view --web"
