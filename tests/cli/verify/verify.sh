@@ -56,12 +56,6 @@ same "the report in a file" "$table" "$(cat report)"
 expect 0 "$(grep -vE '^(fidelity|stable|snaps)' report)" 'verify: fine: 9 checks' -- verify grid --recompute none
 expect 0 '' '' -- verify grid -q
 
-# The force of other rules has no energy that could be compared.
-for rule in records state; do
-  expect 4 '~.*passive +0 links +0  not proved
-.*passive: snaps.*
-  not proved: .*; --force energy can be proved' 'verify: not proved: passive' -- verify grid --force $rule
-done
 expect 3 '' '' -- verify seeds --quiet
 
 # The whole ball, all of it evaluated again; a sample is the same each time, with any -j.
