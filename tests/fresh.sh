@@ -9,6 +9,9 @@
 #   ball        the demonstration, and the page in which its grid is felt
 #   own         a model of one's own, in Python and in the languages that have a compiler
 #   package     the Debian package is made; in a second root, which has no more than this one had, it is installed and works
+#   wheel       .ci/wheel makes the wheel, on Debian 12, and leaves it in dist/
+#   pip         in a second root, a user who is not root installs the wheel of dist/ with pip; it comes by itself after `wheel`
+#   clone       pip installs from the clone itself, where Debian has scikit-build-core: 13 and newer
 #   check       the tests
 #   molecule    from a molecule to a grid, which is felt
 #   rest        only where it is asked for: the tests that check-all has beyond check, and those that lacked a package there
@@ -59,7 +62,64 @@ do_package() { the_package | sed '$d' | type_in; }
 do_installed() {
   apt-get update -qq
   the_package | sed -n '$p' | type_in
-  felt hapgrid feel hung-ball.grid
+  felt hapgrid feel "$(hapgrid data)/hung-ball.grid"
+}
+do_wheel() { .ci/wheel; }
+# Debian's numpy and matplotlib stand for those that pip would get.
+do_pip() {
+  apt-get update -qq
+  apt-get install -qq --no-install-recommends python3-venv python3-matplotlib
+  useradd --create-home user
+  su user -c "cd && exec bash $PWD/tests/fresh.sh --do user"
+}
+# Nothing but the wheel, glibc, libstdc++ and libgcc is in use; from `pip install` to the page it takes a minute at most.
+do_user() {
+  local wheel file name begin
+  cd ~
+  wheel=$(echo /hapgrid/dist/hapgrid-*-py3-none-manylinux_2_36_x86_64.whl)
+  (($(stat -c %s "$wheel") < 15000000)) || { ls -l "$wheel"; exit 1; }
+  python3 -m venv --system-site-packages mine
+  # shellcheck disable=SC1091  # Python's
+  source mine/bin/activate
+  begin=$SECONDS
+  pip install --no-index "${wheel}[plot]"
+  felt hapgrid feel "$(hapgrid data)/hung-ball.grid"
+  ((SECONDS - begin < 60)) || { echo "$((SECONDS - begin)) s from pip install to the page"; exit 1; }
+
+  find mine/lib/hapgrid mine/bin/hapgrid -type f | while read -r file; do
+    [[ $(head -c 4 "$file" | tail -c 3) == ELF ]] || continue
+    ldd "$file" | sed 's/ (0x.*//' | while read -r name _ file; do
+      case $name in
+        linux-vdso.so.1 | /lib64/ld-linux-x86-64.so.2) ;;
+        libc.so.6 | libm.so.6 | libdl.so.2 | libpthread.so.0 | librt.so.1 | libstdc++.so.6 | libgcc_s.so.1) ;;
+        statically) ;;
+        *) [[ $(realpath "$file") == ~/mine/lib/hapgrid/libs/* ]] || { echo "$name is from outside: $file"; exit 1; } ;;
+      esac
+    done
+  done
+
+  hapgrid init m --lang python
+  make -C m
+  hapgrid seed "$(hapgrid data)/hung-ball.toml" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' |
+    hapgrid expand --complete | tee ball.grid | hapgrid verify
+  hapgrid plot slice ball.grid --at y=0 -o levels.png
+  hapgrid play ball.grid --device "path:$(hapgrid data)/../doc/hapgrid/examples/hung-ball/path-there-and-back.txt" --frames - |
+    hapgrid view --png picture.png
+  [[ -s levels.png && -s picture.png ]]
+  hapgrid help seed
+  python -c 'import hapgrid, sys; assert len(hapgrid.read("ball.grid")["state"]) > 2000, sys.path'
+  printf '3 2 2\n' >bad.dx
+  hapgrid table bad.dx -o bad 2>&1 | grep '^table: bad.dx: '  # its parser has libseccomp
+  [[ $(hapgrid molecule --smiles C 2>&1) == *"pip install 'hapgrid[molecule]'" ]]
+}
+# What was built here is taken, not compiled again.
+do_clone() {
+  apt-get install -qq --no-install-recommends python3-venv python3-scikit-build-core
+  python3 -m venv --system-site-packages /clone
+  /clone/bin/pip install --no-build-isolation --no-index --no-deps -C build-dir=build .
+  (cd / && /clone/bin/python -c 'import hapgrid; print(hapgrid.__file__)' | grep '^/clone/lib/hapgrid/')
+  /clone/bin/hapgrid verify "$(/clone/bin/hapgrid data)/hung-ball.grid"
+  rm -r /clone
 }
 # Without CI, for which a test whose program is not installed has failed.
 do_check() {
@@ -158,15 +218,28 @@ if [[ ! -f $bare ]]; then
   mmdebstrap --quiet --variant=minbase --include=make,g++ "$suite" "$bare"
 fi
 root day
+try_pip() {
+  root other
+  mkdir "$work/other/hapgrid/dist"
+  cp "$source"/dist/*.whl "$work/other/hapgrid/dist"
+  inside other /hapgrid/tests/fresh.sh --inside pip >>"$work/table"
+}
 for step; do
+  [[ $step != pip ]] || { try_pip; continue; }
   inside day /hapgrid/tests/fresh.sh --inside "$step" >>"$work/table"
-  if [[ $step == package ]]; then
-    root second
-    mkdir "$work/second/hapgrid/build"
-    cp "$work"/day/hapgrid/build/hapgrid_*.deb "$work/second/hapgrid/build"
-    cp "$work/day/hapgrid/demo/hung-ball.grid" "$work/second/hapgrid"
-    inside second /hapgrid/tests/fresh.sh --inside installed >>"$work/table"
-  fi
+  case $step in
+    package)
+      root second
+      mkdir "$work/second/hapgrid/build"
+      cp "$work"/day/hapgrid/build/hapgrid_*.deb "$work/second/hapgrid/build"
+      inside second /hapgrid/tests/fresh.sh --inside installed >>"$work/table"
+      ;;
+    wheel)
+      mkdir -p "$source/dist"
+      cp "$work"/day/hapgrid/dist/*.whl "$source/dist"
+      try_pip
+      ;;
+  esac
 done
 printf '%-12s %-8s %7s %9s %9s\n' "$suite" result seconds 'MB down' 'MB disk'
 cat "$work/table"

@@ -6,7 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <memory>
+#include <string>
+#include <system_error>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
@@ -36,6 +39,15 @@ void draw_ink(Image& image, const FT_GlyphSlot slot, int x, int y) {
     }
 }
 
+/// The font that lies in ../fonts beside the running program, as in a wheel, or else Debian's.
+std::string font() {
+  std::error_code none;
+  const std::filesystem::path own =
+      std::filesystem::read_symlink("/proc/self/exe", none).parent_path() /
+      "../fonts/DejaVuSansMono.ttf";
+  return std::filesystem::exists(own, none) ? own.string() : kFont;
+}
+
 }  // namespace
 
 double letters_width(std::string_view text) {
@@ -49,7 +61,7 @@ void draw_labels(Image& image, const std::vector<Label>& labels, int scale) {
   if (FT_Init_FreeType(&opened) != 0) throw Error("FreeType: cannot begin");
   const std::unique_ptr<FT_LibraryRec_, FT_Error (*)(FT_Library)> library(opened, FT_Done_FreeType);
   FT_Face found = nullptr;
-  if (FT_New_Face(library.get(), kFont, 0, &found) != 0)
+  if (FT_New_Face(library.get(), font().c_str(), 0, &found) != 0)
     throw Error(format("{}: not there: install the Debian package fonts-dejavu-core", kFont));
   const std::unique_ptr<FT_FaceRec_, FT_Error (*)(FT_Face)> face(found, FT_Done_Face);
   // In 64ths of a pixel, at 72 dots an inch.

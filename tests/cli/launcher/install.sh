@@ -17,6 +17,7 @@ for launcher in "$hapgrid" "$HAPGRID_BUILD/bin/hapgrid"; do (
   [[ $MANPATH == *: && $(man -w hapgrid-seed) == "${MANPATH%:}"/man1/hapgrid-seed.1* ]] || fail "no page: MANPATH is $MANPATH"
   same 'the module' "$(readlink -f "$("$launcher" bin)/../python/hapgrid/__init__.py")" \
     "$(/usr/bin/python3 -c 'import hapgrid; print(hapgrid.__file__)')"
+  same 'the grid to begin with' 'fine: 13 checks' "$(verify "$("$launcher" data)/hung-ball.grid" -o report 2>&1 | sed 's/^verify: //')"
 ); done
 [[ ! -e x ]] || fail 'the lines of env execute a part of the path'
 for tool in seed expand merge verify stats play view check-model; do
@@ -34,6 +35,12 @@ if /usr/bin/python3 -c 'import numpy' 2>/dev/null; then
   same "usage" 'usage: hapgrid table FILE -o DIR [options]' "$("$hapgrid" table --help | head -n 1)"
   same "usage" 'usage: hapgrid dock HOST LIGAND -o DIR [options]' "$("$hapgrid" dock --help | head -n 1)"
 fi
+# In an environment of Python's its own Python starts them.
+touch "$moved${prefix#root}/pyvenv.cfg"
+printf '#!/bin/sh\necho "this Python: $4 $5"\n' >"$moved${prefix#root}/bin/python3"
+chmod +x "$moved${prefix#root}/bin/python3"
+same 'its Python' 'this Python: plot --help' "$("$hapgrid" plot --help)"
+rm "$moved${prefix#root}"/{pyvenv.cfg,bin/python3}
 # Through a link, as administrators make them.
 ln -s "$PWD/$hapgrid" link
 expect 0 "$bin" '' -- ./link bin

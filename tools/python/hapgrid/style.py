@@ -43,7 +43,7 @@ def matplotlib():
         import matplotlib as module
         import matplotlib.figure
     except ImportError as why:
-        raise ImportError(f"{why}: install the Debian package python3-matplotlib") from None
+        raise ImportError(f"{why}: install the Debian package python3-matplotlib, or pip install 'hapgrid[plot]'") from None
     return module
 
 

@@ -30,6 +30,8 @@ import threading
 
 import numpy as np
 
+from hapgrid.files import FILTERS
+
 from .files import Failed
 from .programs import Ran, end_with_parent, run_program
 
@@ -251,7 +253,8 @@ def _ruleset(rules):
 @functools.cache
 def _seccomp():
     try:
-        library = ctypes.CDLL("libseccomp.so.2")
+        own = os.path.join(FILTERS, "../libs/libseccomp.so.2")  # of a wheel
+        library = ctypes.CDLL(own if os.path.exists(own) else "libseccomp.so.2")
     except OSError:
         raise Failed("libseccomp.so.2 is not there: install the Debian package libseccomp2") from None
     library.seccomp_init.restype = ctypes.c_void_p

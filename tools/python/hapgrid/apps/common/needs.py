@@ -20,8 +20,8 @@ def _loads(library):
 
 
 def look_for(command, arguments, modules, libraries=(), programs=()):
-    """Ends the command with one line that names what is missing, and Debian's packages. modules: of Python, besides those
-    that draw, which a run with --until does without; libraries, programs: (file, package)."""
+    """Ends the command with one line that names what is missing, Debian's packages, and the extra by which pip gets modules.
+    modules: of Python, besides those that draw, which a run with --until does without; libraries, programs: (file, package)."""
     if {"-h", "--help"} & set(arguments):
         return
     draws = not any(word.split("=")[0] == "--until" for word in arguments)
@@ -31,5 +31,7 @@ def look_for(command, arguments, modules, libraries=(), programs=()):
     missing |= {file: package for file, package in (*programs, ("setpriv", "util-linux")) if shutil.which(file) is None}
     if missing:
         several = len(missing) > 1
+        by_pip = [name for name in missing if name in packages]
+        way = f", or {' '.join(by_pip)} by pip install 'hapgrid[{command}]'" if by_pip else ""
         sys.exit(f"{command}: {', '.join(missing)} {'are' if several else 'is'} missing: install the Debian "
-                 f"package{'s' if several else ''} {' '.join(missing.values())}")
+                 f"package{'s' if several else ''} {' '.join(missing.values())}{way}")
