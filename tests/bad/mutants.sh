@@ -22,9 +22,10 @@ delay = 3
 offset = [0.1, 0, 0]
 TOML
 printf 'model = {name = "ball", process = ["cat", "answers"]}\ngrid = {origin = [0, 0, 0], spacing = 1, counts = [3, 3, 3]}\n' >process.toml
-python3 "$here/mutants.py" filters "$seed" "$number"
+code=0
+python3 "$here/mutants.py" filters "$seed" "$number" || code=$?
 
-/usr/bin/python3 -c 'import numpy' 2>/dev/null || { missing "numpy for Python (Debian: python3-numpy)"; exit 0; }
+/usr/bin/python3 -c 'import numpy' 2>/dev/null || { missing "numpy for Python (Debian: python3-numpy)"; exit $code; }
 printf '%s\n' 'GRID_PARAMETER_FILE x' 'GRID_DATA_FILE x' 'MACROMOLECULE x' 'SPACING 0.5' 'NELEMENTS 4 4 4' 'CENTER 1 2 3' >good.map
 seq 125 >>good.map
 {
@@ -68,4 +69,5 @@ ATOM      3  CA  GLY     1      -0.700   1.300   0.000 -0.3000 1.7000
 ATOM      4  HA  GLY     1      -0.700   1.300   1.090  0.1000 1.0000
 PQR
 cp "$HAPGRID_SOURCE/examples/docking/formamide.mol2" good.mol2
-PYTHONPATH=$HAPGRID_BUILD/python OPENBLAS_NUM_THREADS=1 /usr/bin/python3 "$here/mutants.py" apps "$seed" "$number"
+PYTHONPATH=$HAPGRID_BUILD/python OPENBLAS_NUM_THREADS=1 /usr/bin/python3 "$here/mutants.py" apps "$seed" "$number" || code=$?
+exit $code

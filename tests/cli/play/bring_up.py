@@ -160,7 +160,8 @@ print(table)
 assert re.search(r'^\[play\]\naxes = "y,-z,-x"\nmax-force = 2\n\[play.safety\]\nencoder = 0.0002 .*\ndelay = 3 ', table, re.M), table
 # Play takes the file as it is.
 played = subprocess.run(["play", "stuck.0", "--model-path", sys.argv[1], "--device", person.device, "--config", "turned.toml", "--duration", "0.2",
-                         "--force", "state"], capture_output=True, text=True)
+                         "--traversal", "paper"],
+                        capture_output=True, text=True)
 assert played.returncode == 0 and "turned.toml sets max-force = 2, safety.delay = 3, safety.encoder = 2e-04, axes = y,-z,-x" in played.stderr, played
 open(sys.argv[2], "w").close()
 
