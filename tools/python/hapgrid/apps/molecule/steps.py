@@ -168,6 +168,5 @@ def show(start, shapes, paths):
     kept.say(f"done: {kept.in_shell('index.html')} sums up")
     felt = kept.in_shell("feel.html") if "feel.html" in kept.made("page") else f"{me} feel {grid}"
     kept.say(f"{felt} is a page in which the mouse is the hand")
-    nothing = "" if paths else choice.nothing_turns(kept) + "
-"
+    nothing = "" if paths else choice.nothing_turns(kept) + "\n"
     return nothing + f"{me} play {grid} --device path:{way} --rate 1000 --frames - | {me} view --web"
