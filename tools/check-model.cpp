@@ -167,8 +167,6 @@ int run(const Options& options) {
   OutputFile output(options.output, /*binary=*/false);
   if (options.format == "json")
     output.write(report_json(spec, info, found, estimate));
-  else if (options.format == "junit")
-    output.write(report_junit("check-model", spec.model, found.checks));
   else
     output.write(printable_text(report_text(spec, info, found, estimate, no_estimate)));
   output.commit();
@@ -220,7 +218,7 @@ int main(int argc, char** argv) {
       .positive()
       .shows_default();
   app.add("--format", options.format, "How the report is written")
-      .one_of({"text", "json", "junit"})
+      .one_of({"text", "json"})
       .shows_default();
   add_model_options(app, options.model);
   add_output(app, options.output);

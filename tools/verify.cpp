@@ -61,7 +61,6 @@ bool parse_recompute(const std::string& text, std::uint64_t& count) {
 
 std::string report(const Grid& grid, const std::vector<Check>& checks, const Options& options) {
   if (options.format == "json") return report_json(grid, checks);
-  if (options.format == "junit") return report_junit("verify", grid.spec().model, checks);
   return printable_text(
       report_text(grid, checks, options.is_verbose ? Details::kAll : Details::kNotFine));
 }
@@ -149,7 +148,7 @@ int main(int argc, char** argv) {
       .whole(1, 1024)
       .shows_default();
   app.add("--format", options.format, "How the report is written")
-      .one_of({"text", "json", "junit"})
+      .one_of({"text", "json"})
       .shows_default();
   add_output(app, options.output);
   app.add_flag("-v,--verbose", options.is_verbose,

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
-#include <string_view>
 
 #include "libcore/base/format.hpp"
 #include "libcore/base/json_text.hpp"
@@ -138,46 +137,6 @@ std::string report_json(const Grid& grid, const std::vector<Check>& checks) {
   json["verdict"] = is_broken(checks) ? "broken" : is_fine(checks) ? "fine" : "not proved";
   json["checks"] = checks_json(grid.box(), checks);
   return json_text(json);
-}
-
-namespace {
-
-/// For text and attributes. XML 1.0 has no control characters but tab and the ends of lines, not
-/// even escaped; printable_text() leaves no others.
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : printable_text(text)) {
-    constexpr std::string_view kSpecial = "&<>\"\n";
-    constexpr std::array kEscaped{"&amp;", "&lt;", "&gt;", "&quot;", "&#10;"};
-    const std::size_t i = kSpecial.find(c);
-    out += i < kEscaped.size() ? kEscaped[i] : std::string(1, c);
-  }
-  return out;
-}
-
-std::string test_case(const std::string& tool, const Check& c) {
-  const std::string details = escaped(checks_text({c}, Details::kAll));
-  const std::string meaning = c.not_proved.empty() ? c.meaning : c.not_proved;
-  const std::string result =
-      is_good(c)
-          ? format("<system-out>{}</system-out>", details)
-          : format("<failure type=\"{}\" message=\"{} of {} {}: {}\">{}</failure>", c.verdict(),
-                   c.found.offenders, c.found.counted, c.unit, escaped(meaning), details);
-  return format("  <testcase classname=\"{}\" name=\"{}\">\n    {}\n  </testcase>\n", tool, c.name,
-                result);
-}
-
-}  // namespace
-
-std::string report_junit(const std::string& tool, const std::string& model,
-                         const std::vector<Check>& checks) {
-  std::string cases;
-  for (const Check& c : checks) cases += test_case(tool, c);
-  return format(
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-      "<testsuite name=\"{}\" tests=\"{}\" failures=\"{}\">\n{}</testsuite>\n",
-      escaped(tool + " " + model), checks.size(),
-      checks.size() - std::count_if(checks.begin(), checks.end(), is_good), cases);
 }
 
 }  // namespace hapgrid

@@ -1,5 +1,5 @@
 // What verify found: a table with a row for each check, and details below. It is printed as text
-// for people, as JSON for programs, and as JUnit's XML for CI systems.
+// for people, and as JSON for programs.
 #pragma once
 
 #include <cstdint>
@@ -121,11 +121,5 @@ std::string report_text(const Grid& grid, const std::vector<Check>& checks, Deta
 /// proved", "checks": checks_json()}. The version number increases when a key is removed or changes
 /// its meaning.
 std::string report_json(const Grid& grid, const std::vector<Check>& checks);
-
-/// As JUnit's XML, which CI systems show: a test case a check, a failure where it is broken or not
-/// proved, and notes as output.
-/// @param tool the class of the cases @param model names the suite
-std::string report_junit(const std::string& tool, const std::string& model,
-                         const std::vector<Check>& checks);
 
 }  // namespace hapgrid

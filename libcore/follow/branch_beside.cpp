@@ -156,7 +156,7 @@ void BranchTraversal::enter_nearest(const std::array<double, 8>& weights,
     least = far;
     found = &branch;
   }
-  if (found) enter_branch(walk_.base(), *found);
+  if (found) enter_branch(*found);
 }
 
 /// Each record in a corner of the cell names a branch.

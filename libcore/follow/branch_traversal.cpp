@@ -89,7 +89,7 @@ const StepResult& BranchTraversal::step(const Vec3& hip, bool next) noexcept {
   if (!step_.blocked) {
     if (next) {
       const int corner = walk_.nearest_corner();
-      choose_next(corner, levels_[corner],
+      choose_next(corner, levels()[corner],
                   [&](Level level) { return take(corner, level, /*chosen=*/true); });
     }
     if (beside_) follow_model();
@@ -107,7 +107,7 @@ bool BranchTraversal::take(int nearest, Level level, bool chosen) noexcept {
   if (level >= grid_.levels(p) || !derive(walk_.base(), grid_.first(p) + level, nearest, branch))
     return false;
   if (chosen && branch.is_torn && has_ended(branch.nodes, corner_weights(part()))) return false;
-  enter_branch(walk_.base(), branch);
+  enter_branch(branch);
   offset_.end();
   arrive();
   if (!beside_) decide_by_grid();  // of which nobody is told: the state jumps here in any case
@@ -124,9 +124,15 @@ bool BranchTraversal::derive(PointIndex base, RecordIndex anchor, int corner,
   branch.anchor = walk_.cells().distinct(corner);
   branch.is_torn = false;
   branch.is_mixed = branches_->is_mixed(anchor, branch.anchor);
-  for (int k = 0; k < 8; ++k) {
+  const auto links = grid_.links(anchor);
+  const DirectionMask one_way = branches_->one_way(anchor);
+  branch.nodes[corner] = anchor;
+  for (int other = 1; other < 8; ++other) {
+    const int k = corner ^ other;
     const int q = kBetweenCorners[branch.anchor][walk_.cells().distinct(k)];
-    branch.nodes[k] = q < 0 ? anchor : branches_->node(anchor, q, walk_.cells(), base, k);
+    branch.nodes[k] = q < 0              ? anchor
+                      : one_way >> q & 1 ? branches_->node(anchor, q)
+                                         : walk_.cells().destination(links, q, base, k);
     if (branch.nodes[k] == BranchNodes::kNoNode) return false;
     branch.is_torn |= branches_->is_ghost(branch.nodes[k]);
   }
@@ -138,8 +144,7 @@ bool BranchTraversal::derive(PointIndex base, RecordIndex anchor, int corner,
   return true;
 }
 
-/// @param base of the cell whose corners they are
-void BranchTraversal::enter_branch(PointIndex base, const Branch& branch) noexcept {
+void BranchTraversal::enter_branch(const Branch& branch) noexcept {
   anchor_ = branch.anchor;
   nodes_ = branch.nodes;
   is_torn_ = branch.is_torn;
@@ -149,16 +154,6 @@ void BranchTraversal::enter_branch(PointIndex base, const Branch& branch) noexce
     rows_[k] = branches_->row(nodes_[k]);
     __builtin_prefetch(rows_[k]);
     __builtin_prefetch(rows_[k] + row_.size() - 1);
-    if (branches_->is_ghost(nodes_[k])) {
-      records_[k] = Grid::kNoRecord;
-      levels_[k] = kNoLevel;
-    } else {
-      records_[k] = nodes_[k];
-      levels_[k] = static_cast<Level>(nodes_[k] - grid_.first(walk_.cells().point(base, k)));
-      const Level* const links = grid_.links(nodes_[k]).data();
-      __builtin_prefetch(links);
-      __builtin_prefetch(links + kDirections - 1);
-    }
   }
 }
 
@@ -176,15 +171,16 @@ bool BranchTraversal::cross(const CellWalk::Part& way) noexcept {
   // Around most records there is one branch: then any common corner will do, and nothing changes in
   // the others.
   const int beside = (anchor_ & ~common.moved) | (common.side & common.moved);
+  Branch next;
   if (!is_torn_ && !is_mixed_ && branches_->has_one_branch_around(nodes_[beside])) {
-    if (!cross_within_branch(way.base, beside, common)) return false;
+    if (!derive(way.base, nodes_[beside], beside ^ common.moved, next)) return false;
+    enter_branch(next);
     count_switch(way);
     return true;
   }
   // On the common face, edge or vertex.
   const Vec3 part = walk_.part_of_cell(walk_.nearest_in_cell(way.to));
   const int from = common_record(common, part);
-  Branch next;
   if (from < 0 ? !cross_by_snap(way.base, beside, common)
                : !derive(way.base, nodes_[from], from ^ common.moved, next))
     return false;
@@ -205,29 +201,10 @@ bool BranchTraversal::cross(const CellWalk::Part& way) noexcept {
   }
   const std::array<const double*, 8> before = rows_;
   std::array<const double*, 8> after = before;
-  enter_branch(way.base, next);
+  enter_branch(next);
   for (int k = 0; k < 8; ++k)
     if (common.has(k)) after[k] = rows_[k ^ common.moved];
   if (after != before) keep_state(before, corner_weights(part), after);
-  return true;
-}
-
-/// Into a cell of one branch from another one: the common corners stay.
-bool BranchTraversal::cross_within_branch(PointIndex base, int from,
-                                          const Common& common) noexcept {
-  const RecordIndex anchor = nodes_[from];
-  const int at = from ^ common.moved;
-  Branch next{.anchor = at, .nodes = nodes_};
-  for (int k = 0; k < 8; ++k) {
-    const int corner = walk_.cells().distinct(k);
-    if (common.has(corner ^ common.moved)) {
-      next.nodes[k] = nodes_[corner ^ common.moved];
-      continue;
-    }
-    next.nodes[k] = walk_.cells().destination(anchor, kBetweenCorners[at][corner], base, corner);
-    if (next.nodes[k] == Grid::kNoRecord) return false;
-  }
-  enter_branch(base, next);
   return true;
 }
 
@@ -238,7 +215,7 @@ bool BranchTraversal::cross_by_snap(PointIndex base, int to, const Common& commo
       walk_.cells().destination(nodes_[anchor_], kBetweenCorners[anchor_][to], walk_.base(), to);
   Branch next;
   if (anchor == Grid::kNoRecord || !derive(base, anchor, to ^ common.moved, next)) return false;
-  enter_branch(base, next);
+  enter_branch(next);
   offset_.end();
   return true;
 }
@@ -328,7 +305,7 @@ void BranchTraversal::change_anchor() noexcept {
   }();
   if (!find_better(walk_.base(), weights_, kAny, next)) return;
   const std::array<const double*, 8> before = rows_;
-  enter_branch(walk_.base(), next);
+  enter_branch(next);
   keep_state(before, weights_, rows_);
 }
 
@@ -357,13 +334,14 @@ bool BranchTraversal::snap(const Vec3& part) noexcept {
   }
   Branch next;
   if (to < 0 || !derive(walk_.base(), anchor, to, next)) return false;
-  enter_branch(walk_.base(), next);
+  enter_branch(next);
   return true;
 }
 
 void BranchTraversal::evaluate() noexcept {
   blend(weights_, rows_, row_);
   offset_.add_to(row_);
+  if (!grid_.spec().equality.has_angles()) return;
   blend_angles(grid_.spec().equality, weights_, rows_, row_);
   orthonormalise_rotations(grid_.spec().equality, row_);
 }

@@ -69,8 +69,7 @@ class BranchTraversal final : public Traversal {
   void note_snap() noexcept { step_.snapped = step_.level_changed = true; }
   void evaluate() noexcept;
   bool derive(PointIndex base, RecordIndex anchor, int corner, Branch& branch) const noexcept;
-  void enter_branch(PointIndex base, const Branch& branch) noexcept;
-  bool cross_within_branch(PointIndex base, int from, const Common& common) noexcept;
+  void enter_branch(const Branch& branch) noexcept;
   bool cross_by_snap(PointIndex base, int to, const Common& common) noexcept;
   int common_record(const Common& common, const Vec3& part) const noexcept;
   bool decide_by_grid() noexcept;

@@ -69,25 +69,15 @@ int CellWalk::begin(const Vec3& x) noexcept {
     cell[a] = static_cast<std::uint32_t>(c);
     if (x[a] - face(a, c) > face(a, c + 1) - x[a]) nearest |= 1 << a;
   }
-  enter(cell, box_.index(cell));
+  base_ = box_.index(cell);
+  for (int a = 0; a < 3; ++a) enter(a, cell[a]);
   position_ = x;
   is_split_ = is_lagging_ = false;
   return nearest;
 }
 
-void CellWalk::aim(const Vec3& x) noexcept {
-  aim_ = x;
-  parts_ = 0;
-  has_arrived_ = is_split_ = is_lagging_ = false;
-}
-
-std::optional<CellWalk::Part> CellWalk::next() noexcept {
-  if (has_arrived_) return std::nullopt;
-  // The most frequent case comes first.
-  if (has(aim_)) {
-    has_arrived_ = true;
-    return Part{aim_, base_, -1};
-  }
+/// The way leads out of the cell.
+std::optional<CellWalk::Part> CellWalk::next_to_cell() noexcept {
   auto away = cells_away(aim_);
   const std::int64_t distance = farthest(away);
   Vec3 to = aim_;
@@ -111,14 +101,11 @@ std::optional<CellWalk::Part> CellWalk::next() noexcept {
   return Part{to, static_cast<PointIndex>(base_ + grid_.neighbourhood().offset(q)), q};
 }
 
-void CellWalk::go(const Part& part) noexcept {
-  position_ = part.to;
-  if (part.q < 0) return;
+void CellWalk::enter_from(const Part& part) noexcept {
+  base_ = part.base;
   const auto move = Direction(part.q).step();
-  GridCoordinates cell;
   for (int a = 0; a < 3; ++a)
-    cell[a] = static_cast<std::uint32_t>(std::int64_t{cell_[a]} + move[a]);
-  enter(cell, part.base);
+    if (move[a] != 0) enter(a, cell_[a] + static_cast<std::uint32_t>(move[a]));
 }
 
 /// How many cells lie between the current cell and that of x along an axis. x is inside the box; a
@@ -147,18 +134,15 @@ std::array<std::int64_t, 3> CellWalk::cells_away(const Vec3& x) const noexcept {
   return {cells_away(0, x[0]), cells_away(1, x[1]), cells_away(2, x[2])};
 }
 
-void CellWalk::enter(const GridCoordinates& cell, PointIndex base) noexcept {
-  cell_ = cell;
-  base_ = base;
-  for (int a = 0; a < 3; ++a) {
-    low_[a] = face(a, cell[a]);
-    high_[a] = low_[a];
-    if (cells_.is_flat(a)) continue;
-    high_[a] = face(a, std::int64_t{cell[a]} + 1);
-    const double width = high_[a] - low_[a];
-    scale_[a] = 1 / width;
-    if (width * scale_[a] < 1) scale_[a] = std::nextafter(scale_[a], kInfinity);
-  }
+/// The cell is number c along an axis.
+void CellWalk::enter(int a, std::uint32_t c) noexcept {
+  cell_[a] = c;
+  high_[a] = low_[a] = face(a, c);
+  if (cells_.is_flat(a)) return;
+  high_[a] = face(a, std::int64_t{c} + 1);
+  const double width = high_[a] - low_[a];
+  scale_[a] = 1 / width;
+  if (width * scale_[a] < 1) scale_[a] = std::nextafter(scale_[a], kInfinity);
 }
 
 }  // namespace hapgrid

@@ -83,11 +83,29 @@ class CellWalk {
   /// Gives up a beginning: the position, without its cell.
   void give_up(const Vec3& position) noexcept { position_ = position; }
   /// The way of a tick leads to x, in the box.
-  void aim(const Vec3& x) noexcept;
+  void aim(const Vec3& x) noexcept {
+    aim_in_cell(x);
+    is_in_cell_ = has(x);
+  }
+  /// The same where has(x).
+  void aim_in_cell(const Vec3& x) noexcept {
+    aim_ = x;
+    is_in_cell_ = true;
+    parts_ = 0;
+    has_arrived_ = is_split_ = is_lagging_ = false;
+  }
   /// The next part of it; nothing when it has come to its end, or to the most parts of a tick.
-  std::optional<Part> next() noexcept;
+  std::optional<Part> next() noexcept {
+    if (has_arrived_) return std::nullopt;
+    if (!is_in_cell_) return next_to_cell();
+    has_arrived_ = true;
+    return Part{aim_, base_, -1};
+  }
   /// Goes there.
-  void go(const Part& part) noexcept;
+  void go(const Part& part) noexcept {
+    position_ = part.to;
+    if (part.q >= 0) enter_from(part);
+  }
   /// Of this tick: whether the HIP jumped to a cell that shares no vertex, and whether the most
   /// parts were reached before the HIP.
   bool is_split() const { return is_split_; }
@@ -99,7 +117,9 @@ class CellWalk {
   }
   std::int64_t cells_away(int axis, double x) const noexcept;
   std::array<std::int64_t, 3> cells_away(const Vec3& x) const noexcept;
-  void enter(const GridCoordinates& cell, PointIndex base) noexcept;
+  std::optional<Part> next_to_cell() noexcept;
+  void enter_from(const Part& part) noexcept;
+  void enter(int axis, std::uint32_t c) noexcept;
 
   const Grid& grid_;
   const Cells cells_;
@@ -116,7 +136,8 @@ class CellWalk {
   Vec3 scale_{1, 1, 1};  // 1 / (high_ - low_), rounded so that high_ gives at least 1
 
   Vec3 aim_{0, 0, 0};
-  int parts_ = 0;  // of this tick, so far
+  bool is_in_cell_ = true;  // the way of this tick
+  int parts_ = 0;           // of this tick, so far
   bool has_arrived_ = true;
   bool is_split_ = false;
   bool is_lagging_ = false;

@@ -15,10 +15,7 @@ ModelTraversal::ModelTraversal(const Grid& grid, std::unique_ptr<Model> model, d
       model_(std::move(model)),
       longest_(grid.box().spacing / steps_a_cell),
       next_(row_.size()),
-      before_row_(row_.size()) {
-  records_.fill(Grid::kNoRecord);
-  levels_.fill(kNoLevel);
-}
+      before_row_(row_.size()) {}
 
 const StepResult& ModelTraversal::start(const Vec3& hip, Level level) noexcept {
   const std::optional<int> nearest = begin_start(hip);

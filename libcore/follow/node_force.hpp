@@ -10,8 +10,8 @@
 // Where the traversal changes corners without a snap, the two interpolations have different forces
 // at the place of the change. What the force would lose there becomes an offset, which fades while
 // the hand moves on by half a spacing, as the offset of the state does (branch_traversal.hpp). We
-// fade an offset of the force and not of the energy: a fading energy would itself be a force, and an
-// unbounded one on a short way. The hand therefore gains or loses the difference of the energies
+// fade an offset of the force and not of the energy: a fading energy would itself be a force, and
+// an unbounded one on a short way. The hand therefore gains or loses the difference of the energies
 // once.
 //
 // Where a model that walks beside the grid says its force (beside.hpp), the interpolation only says

@@ -50,7 +50,7 @@ bool PaperTraversal::cross(const CellWalk::Part& part) noexcept {
   const std::array<Level, 8> before = levels_;
   std::array<RecordIndex, 8> records;
   for (int k = 0; k < 8; ++k) {
-    const RecordIndex from = records_[table.from[k]];
+    const RecordIndex from = nodes_[table.from[k]];
     records[k] = table.direction[k] == CellSwitch::kKept
                      ? from
                      : walk_.cells().destination(from, table.direction[k], part.base, k);
@@ -66,16 +66,14 @@ bool PaperTraversal::set_corners(PointIndex base,
                                  const std::array<RecordIndex, 8>& records) noexcept {
   for (const RecordIndex record : records)
     if (record == Grid::kNoRecord) return false;
-  records_ = nodes_ = records;
+  nodes_ = records;
   for (int k = 0; k < 8; ++k) {
     levels_[k] = static_cast<Level>(records[k] - grid_.first(walk_.cells().point(base, k)));
     rows_[k] = grid_.row(records[k]).data();
     // All rows are needed now, the links at the next switch.
-    const Level* const links = grid_.links(records[k]).data();
     __builtin_prefetch(rows_[k]);
     __builtin_prefetch(rows_[k] + row_.size() - 1);
-    __builtin_prefetch(links);
-    __builtin_prefetch(links + kDirections - 1);
+    __builtin_prefetch(grid_.links(records[k]).data());
   }
   return true;
 }
@@ -83,6 +81,7 @@ bool PaperTraversal::set_corners(PointIndex base,
 void PaperTraversal::evaluate() noexcept {
   const std::array<double, 8> weights = corner_weights(part());
   blend(weights, rows_, row_);
+  if (!grid_.spec().equality.has_angles()) return;
   blend_angles(grid_.spec().equality, weights, rows_, row_);
   orthonormalise_rotations(grid_.spec().equality, row_);
 }

@@ -30,6 +30,7 @@ class PaperTraversal final : public Traversal {
   void evaluate() noexcept;
 
   std::array<const double*, 8> rows_{};
+  std::array<Level, 8> levels_{};
 };
 
 }  // namespace hapgrid

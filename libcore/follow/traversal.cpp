@@ -4,9 +4,23 @@
 
 namespace hapgrid {
 
+std::array<RecordIndex, 8> Traversal::records() const noexcept {
+  std::array<RecordIndex, 8> records = nodes_;
+  for (RecordIndex& record : records)
+    if (record >= grid_.records()) record = Grid::kNoRecord;
+  return records;
+}
+
+std::array<Level, 8> Traversal::levels() const noexcept {
+  std::array<Level, 8> levels;
+  for (int k = 0; k < 8; ++k)
+    levels[k] = nodes_[k] < grid_.records() ? grid_.level(nodes_[k]) : kNoLevel;
+  return levels;
+}
+
 std::optional<int> Traversal::begin_start(const Vec3& hip) noexcept {
   step_ = {.started = true};
-  before_ = {.from = position(), .nodes = nodes_};
+  before_.keep(position(), nodes_);
   has_started_ = false;
   ++jumps_;
   if (!finite(hip)) {
@@ -27,9 +41,9 @@ const StepResult& Traversal::end_start(bool has_begun) noexcept {
 
 bool Traversal::begin_step(const Vec3& hip) noexcept {
   step_ = {};
-  before_ = {.from = position(), .nodes = nodes_};
+  before_.keep(position(), nodes_);
   if (walk_.has(hip)) {  // the most frequent case: it is finite and in the box
-    walk_.aim(hip);
+    walk_.aim_in_cell(hip);
     return true;
   }
   if (!finite(hip)) {
@@ -58,13 +72,15 @@ const StepResult& Traversal::end_step() noexcept {
   jumps_ += step_.snapped;
   if (step_.split) return step_;
   if (before_.direction < 0) {
-    before_.have_changed = nodes_ != before_.nodes;
+    RecordIndex changed = 0;
+    for (int k = 0; k < 8; ++k) changed |= nodes_[k] ^ before_.nodes[k];
+    before_.have_changed = changed != 0;
     return step_;
   }
   const CellSwitch& table = kCellSwitches[before_.direction];
   for (int k = 0; k < 8; ++k)
-    before_.have_changed |=
-        table.direction[k] == CellSwitch::kKept && nodes_[k] != before_.nodes[table.from[k]];
+    before_.have_changed |= static_cast<bool>(int{table.direction[k] == CellSwitch::kKept} &
+                                              int{nodes_[k] != before_.nodes[table.from[k]]});
   return step_;
 }
 

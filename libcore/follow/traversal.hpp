@@ -59,6 +59,15 @@ struct CornersBefore {
   /// Some corner that the cells before and after the step share has another node. False where the
   /// HIP jumped to a cell that shares none.
   bool have_changed = false;
+
+  /// Before a step. Member by member: a compiler makes a temporary of a whole, which a processor
+  /// has to wait for.
+  void keep(const Vec3& position, const std::array<RecordIndex, 8>& corners) noexcept {
+    from = position;
+    direction = -1;
+    nodes = corners;
+    have_changed = false;
+  }
 };
 
 /// The traversal of one grid by one HIP; for one thread.
@@ -96,9 +105,9 @@ class Traversal {
   /// Where position() is in the cell, in [0, 1] on each axis.
   Vec3 part() const noexcept { return walk_.part_of_cell(position()); }
   /// The record in corner i + 2j + 4k of the cell; Grid::kNoRecord where the rule has none.
-  const std::array<RecordIndex, 8>& records() const { return records_; }
+  std::array<RecordIndex, 8> records() const noexcept;
   /// Their levels; kNoLevel where there is no record.
-  const std::array<Level, 8>& levels() const { return levels_; }
+  std::array<Level, 8> levels() const noexcept;
   /// The nodes that state() is interpolated from, by corner: a record, or from Grid::records() on a
   /// ghost (branch_nodes.hpp); Grid::kNoRecord where the rule has none.
   const std::array<RecordIndex, 8>& nodes() const { return nodes_; }
@@ -152,8 +161,6 @@ class Traversal {
   bool has_started_ = false;
   StepResult step_;
   CornersBefore before_;
-  std::array<RecordIndex, 8> records_{};
-  std::array<Level, 8> levels_{};
   std::array<RecordIndex, 8> nodes_{};
   std::vector<double> row_;
 

@@ -95,8 +95,13 @@ class Cells {
   /// `corner` of the cell at `base`; Grid::kNoRecord as Grid::destination() says, which would
   /// compute the target and its neighbourhood again.
   RecordIndex destination(RecordIndex from, int q, PointIndex base, int corner) const noexcept {
+    return destination(grid_.links(from), q, base, corner);
+  }
+  /// The same for a record with these links.
+  RecordIndex destination(std::span<const Level, kDirections> links, int q, PointIndex base,
+                          int corner) const noexcept {
     const PointIndex target = point(base, corner);
-    const Level level = grid_.links(from)[q];
+    const Level level = links[static_cast<std::size_t>(q)];
     return level < grid_.levels(target) ? grid_.first(target) + level : Grid::kNoRecord;
   }
 

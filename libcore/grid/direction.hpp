@@ -24,6 +24,20 @@ inline constexpr int kMaxLevels = 254;
 using DirectionMask = std::uint32_t;
 inline constexpr DirectionMask kAllDirections = (1u << kDirections) - 1;
 
+namespace direction_detail {
+
+constexpr std::array<std::array<int, 3>, kDirections> steps() {
+  std::array<std::array<int, 3>, kDirections> steps{};
+  for (int q = 0; q < kDirections; ++q) {
+    const int cube = q < 13 ? q : q + 1;
+    steps[q] = {cube % 3 - 1, cube / 3 % 3 - 1, cube / 9 - 1};
+  }
+  return steps;
+}
+inline constexpr auto kSteps = steps();
+
+}  // namespace direction_detail
+
 /// One of the 26 directions, 0 <= q < 26: the cube position (d1+1) + 3 (d2+1) + 9 (d3+1) for
 /// d1, d2, d3 in {-1, 0, 1}, ascending, with the centre (position 13) left out.
 class Direction {
@@ -43,10 +57,7 @@ class Direction {
 
   constexpr int q() const { return q_; }
   /// The components (d1, d2, d3) in units of the spacing.
-  constexpr std::array<int, 3> step() const {
-    const int cube = q_ < 13 ? q_ : q_ + 1;
-    return {cube % 3 - 1, cube / 3 % 3 - 1, cube / 9 - 1};
-  }
+  constexpr const std::array<int, 3>& step() const { return direction_detail::kSteps[q_]; }
   /// The direction back.
   constexpr Direction opposite() const { return Direction(kDirections - 1 - q_); }
 

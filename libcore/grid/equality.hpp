@@ -48,6 +48,7 @@ struct Equality {
     }
     return true;
   }
+  bool has_angles() const { return !periods.empty(); }
   bool is_rotation(std::size_t c) const { return c < periods.size() && periods[c] == kRotation; }
   friend bool operator==(const Equality&, const Equality&) = default;
 };

@@ -12,7 +12,17 @@ Grid::Grid(GridSpec spec, std::uint32_t generation)
       generation_(generation),
       row_size_(spec_.row_size()) {}
 
-Grid::Grid(GridSpec spec, std::uint32_t generation, RecordColumns columns)
-    : Grid(GridBuilder(std::move(spec), generation, std::move(columns)).finish()) {}
+namespace {
+
+Grid grid_of(GridSpec spec, std::uint32_t generation, const RecordColumns& columns) {
+  GridBuilder builder(std::move(spec), generation, columns.size());
+  builder.add(0, {columns.point, columns.level, columns.generation, columns.rows, columns.links});
+  return builder.finish();
+}
+
+}  // namespace
+
+Grid::Grid(GridSpec spec, std::uint32_t generation, const RecordColumns& columns)
+    : Grid(grid_of(std::move(spec), generation, columns)) {}
 
 }  // namespace hapgrid

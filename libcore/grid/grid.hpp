@@ -38,7 +38,7 @@ class Grid {
 
   /// @param generation the round that wrote the grid: records of this generation are the frontier.
   /// @throw FormatError when the records are not a grid's.
-  Grid(GridSpec spec, std::uint32_t generation, RecordColumns columns);
+  Grid(GridSpec spec, std::uint32_t generation, const RecordColumns& columns);
 
   const GridSpec& spec() const { return spec_; }
   const Box& box() const { return spec_.box; }

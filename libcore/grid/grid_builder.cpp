@@ -5,6 +5,7 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
+#include "libcore/base/large_pages.hpp"
 
 namespace hapgrid {
 
@@ -34,10 +35,6 @@ void require_lengths(const RecordRun& run, std::size_t count, std::size_t row_si
     throw FormatError("grid: columns of different lengths");
 }
 
-RecordRun run_of(const RecordColumns& columns) {
-  return {columns.point, columns.level, columns.generation, columns.rows, columns.links};
-}
-
 }  // namespace
 
 void require_possible(const Box& box, std::uint64_t records) {
@@ -57,21 +54,12 @@ GridBuilder::GridBuilder(GridSpec spec, std::uint32_t generation, std::uint64_t 
   require_possible(grid_.box(), records);
   grid_.point_.resize(records);
   grid_.generation_of_.resize(records);
+  // What a step of play reads.
+  reserve_large(grid_.rows_, records * grid_.row_size_);
+  reserve_large(grid_.links_of_, records);
   grid_.rows_.resize(records * grid_.row_size_);
   grid_.links_of_.resize(records);
   level_.resize(records);
-}
-
-GridBuilder::GridBuilder(GridSpec spec, std::uint32_t generation, RecordColumns columns)
-    : grid_(std::move(spec), generation) {
-  require_possible(grid_.box(), columns.size());
-  require_lengths(run_of(columns), columns.size(), grid_.row_size_);
-  grid_.links_of_.resize(columns.size());
-  grid_.point_ = std::move(columns.point);
-  grid_.generation_of_ = std::move(columns.generation);
-  grid_.rows_ = std::move(columns.rows);
-  level_ = std::move(columns.level);
-  add_links(0, level_.size(), columns.links.data());
 }
 
 void GridBuilder::add(std::uint64_t first, const RecordRun& run) {
@@ -111,7 +99,7 @@ Grid GridBuilder::finish() {
   if (added_ != level_.size()) throw FormatError("grid: records are missing or there twice");
   require_order(grid_.spec_, grid_.point_, level_);
   const std::uint64_t points = grid_.box().points();
-  grid_.first_.reserve(points + 1);
+  reserve_large(grid_.first_, points + 1);
   for (RecordIndex r = 0; r < grid_.records(); ++r)
     while (grid_.first_.size() <= grid_.point_[r]) grid_.first_.push_back(r);
   grid_.first_.resize(points + 1, grid_.records());

@@ -28,8 +28,6 @@ class GridBuilder {
  public:
   /// @param generation the round that wrote the grid. @param records how many there will be.
   GridBuilder(GridSpec spec, std::uint32_t generation, std::uint64_t records);
-  /// Takes all records, without another copy of their rows. @throw FormatError as add()
-  GridBuilder(GridSpec spec, std::uint32_t generation, RecordColumns columns);
 
   /// Sets the records from record `first` on. Runs come in any order, and several threads may add
   /// different runs at once. @throw FormatError when a run does not fit the grid.

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# The forces that play can send, on grids of several sizes: their error against the number of conversions,
-# what a tick costs, and the energy that comes back in a closed loop, without the energy tank and with it. No model
-# walks beside the grid, whose force would be sent in place of these.
+# The forces of a grid, on grids of several sizes: their error against the number of conversions and what a tick
+# costs, all by the rule of branches, and the energy that comes back in a closed loop, without the energy tank and with
+# it: by the rule of branches (energy) and by the paper's (state). No model walks beside the grid, whose force would be
+# sent in place of these.
 #
 #   tests/bench/force.sh [BUILD] [TICKS] [SESSIONS] [POINTS] [MODELS]
 #           (default: build 200000 1000 '20 30 60' 'hung-ball alanine-dipeptide butane leu-enkephalin')
@@ -15,8 +16,8 @@ molecules=$HAPGRID_SOURCE/examples/molecule
 printf '[random]\nsessions = %d\n' "$sessions" >sim.toml
 open=(--max-force 100 --set safety.reserve=inf --set safety.ramp=0)
 
-returned() { # GRID FORCE OPTIONS...
-  play "$1" --device sim:sim.toml --beside off --force "$2" "${@:3}" --report report 2>/dev/null
+returned() { # GRID OPTIONS...
+  play "$1" --device sim:sim.toml --beside off "${@:2}" --report report 2>/dev/null
   python3 -c 'import json; r = json.load(open("report"))["simulation"]["returned_mJ"]
 print("%.4f / %.2f" % (r["mean"], r["worst"]))'
 }
@@ -33,7 +34,12 @@ for model in $models; do
     for force in energy records state; do
       read -r median most torn_median torn_most ns < <(awk -F '\t' -v force=$force '$1 == force {
         if ($2 == "whole") whole = $4 " " $5; else print whole, $4, $5, $6 }' measured)
-      echo "|$model|$n|$conversions|$force|$median / $most|$torn_median / $torn_most|$ns|$(returned "$model.grid" $force "${open[@]}")|$(returned "$model.grid" $force)|"
+      returned='|'
+      case $force in
+        energy) returned="$(returned "$model.grid" "${open[@]}")|$(returned "$model.grid")" ;;
+        state) returned="$(returned "$model.grid" --traversal paper "${open[@]}")|$(returned "$model.grid" --traversal paper)" ;;
+      esac
+      echo "|$model|$n|$conversions|$force|$median / $most|$torn_median / $torn_most|$ns|$returned|"
       echo "$conversions $median $most" >>"$model.$force"
     done
   done
@@ -53,7 +59,7 @@ loop() { # NAME OPTIONS...
     { if ($1 > first) given += (a * ($2 - x) + b * ($3 - y) + c * ($4 - z)); x = $2; y = $3; z = $4; a = $8; b = $9; c = $10
       print $1 - first, given + $(NF - 1) - stored }' loop.log >"$1.loop"
 }
-loop paper --traversal paper --force state "${open[@]}"
+loop paper --traversal paper "${open[@]}"
 loop energy "${open[@]}"
 loop core
 

@@ -80,12 +80,3 @@ expect 3 "~.*symmetric: .*1 and 0.*" "~check-model: broken: symmetric \([0-9]+ o
   -- check-model order.toml --model-path "$HAPGRID_BUILD/tests/plugins" --steps 60
 refuses 'check-model: faulty\.toml: the model is a process, .*only started with --allow-process' -- check-model faulty.toml
 refuses 'check-model: gone\.toml: No such file or directory' -- check-model gone.toml
-
-# For a CI server: a test case for each check, and the one that is broken has failed.
-check-model faulty.toml --allow-process --steps 60 --format junit -o junit.xml 2>/dev/null && fail 'a fault is fine'
-python3 - <<'END'
-import xml.etree.ElementTree
-cases = list(xml.etree.ElementTree.parse("junit.xml").iter("testcase"))
-failed = [case.get("name") for case in cases if case.find("failure") is not None]
-assert len(cases) >= 8 and failed == ["gradient"], (len(cases), failed)
-END

@@ -92,12 +92,8 @@ PYTHON
 grep -q 'install.* git make *$' my_c/.github/workflows/grid.yml || fail 'packages of C'
 grep -q 'git make python3$' my_python/.github/workflows/grid.yml || fail 'packages of Python'
 
-# A CI gets a report, and a model that is wrong leaves no grid: here the force points the wrong way.
+# A CI gets an exit code, and a model that is wrong leaves no grid: here the force points the wrong way.
 HAPGRID=hapgrid expect 0 '~.*' '~.*' -- my_c/ci.sh
-python3 - my_c/verify.xml <<'PYTHON'
-import sys, xml.etree.ElementTree
-assert len(list(xml.etree.ElementTree.parse(sys.argv[1]).iter("testcase"))) > 10
-PYTHON
 make -s -C my_c clean
 sed -i 's/force\[0\] = -k/force[0] = k/' my_c/my_c.c
 expect 2 '~.*gradient +500 forces +[1-9][0-9]* +broken.*' '~.*check-model: .*' -- make -C my_c JOBS=1

@@ -61,18 +61,18 @@ FILTERS = {
     "verify": ({"": "ball.grid"}, {
         **of_model("grid", **{"--recompute": "1", "--walks": "1"}), **OUTPUT, "--threads": Option("2"), "--format": Option("json"), "--verbose": Option(),
         "--quiet": Option(), "--recompute": Option("none"), "--walks": Option("2"), "--accuracy": Option("1e-9"),
-        "--force": Option("state"), "--sample-seed": Option("2", {"--walks": "2", "--verbose": None}),
+        "--sample-seed": Option("2", {"--walks": "2", "--verbose": None}),
         "--damping": Option("1e-3", {"--verbose": None}), "--rate": Option("1", {"--verbose": None}),
         "--scale": Option("1e9")}),
     "stats": ({"": "ball.grid"}, {
         **OUTPUT, "--cost": Option("cost"), "--get": Option("records"), "--log": Option("log.session", {"": ...}),
         "--format": Option("json"), "--npy": Option("a.npy")}),
-    "check-model": ({"": "ball.toml", "--steps": "20", "--format": "junit"}, {
-        **OF_DEFINITION, "--steps": Option("30"), "--seconds": Option("9", telling="1e-9"), "--format": Option("json")}),
+    "check-model": ({"": "ball.toml", "--steps": "20", "--format": "json"}, {
+        **OF_DEFINITION, "--steps": Option("30"), "--seconds": Option("9", telling="1e-9"), "--format": Option("text")}),
     "play": ({"": "ball.grid", "--device": "path:path", "--log": "out.log"}, {
         **{name: option for name, option in of_model("grid").items() if name != "--in-flight"},
-        "--device": Option("sim:random.toml"), "--traversal": Option("paper"), "--force": Option("records"),
-        "--beside": Option("7"), "--list-devices": Option(None, {"": ..., "--device": ..., "--log": ...}),
+        "--device": Option("sim:random.toml"), "--traversal": Option("paper"), "--beside": Option("7"),
+        "--list-devices": Option(None, {"": ..., "--device": ..., "--log": ...}),
         "--rate": Option("2000", SIMULATED), "--duration": Option("0.03"), "--realtime": Option("off", {"--rate": "2000"}),
         "--selftest": Option(None, {"": ..., "--device": ..., "--log": ..., "--rate": "1000", "--duration": "0.1"}),
         "--log": Option("other.log"), "--frames": Option("out.frames"), "--report": Option("out.json"),
@@ -127,6 +127,7 @@ def run(tool, given):
 def plain(text):
     """Without the times that a run took."""
     text = re.sub(rb'(?s)"(lateness|compute)": {.*\]', rb"", text)  # of a report of play
+    text = re.sub(rb"[\d.]+ (ns|\xc2\xb5s|ms|s|min|h)\b", rb"", text)  # of a report of check-model
     return re.sub(rb'("\w*seconds"): ?[^,}\n]*', rb"\1", text)
 
 

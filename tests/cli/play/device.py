@@ -15,7 +15,7 @@ PROFILE = f"{os.environ['HAPGRID_SOURCE']}/examples/devices/teensy-rawhid.toml"
 
 
 def play(*options, grid=("stuck.0",), device=f"hid:{PROFILE}"):
-    of_grid = ["--model-path", plugins, "--force", "state", "--set", "safety.ramp=50"] if grid else []
+    of_grid = ["--model-path", plugins, "--traversal", "paper", "--set", "safety.ramp=50"] if grid else []
     return subprocess.Popen(["play", *grid, "--device", device, *of_grid, *options], env=environment(), stdout=subprocess.DEVNULL if grid else subprocess.PIPE,
                             stderr=subprocess.PIPE, text=True)
 

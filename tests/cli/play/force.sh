@@ -1,4 +1,4 @@
-# play --force: which rule is the default, what is refused, and grids that are played without their model.
+# The force of a play: what it comes from, and grids that are played without their model.
 source "$(dirname "$0")/../lib.sh"
 coarse=(--set grid.spacing=0.1 --set 'grid.counts=[20,10,10]')
 seed "$ball" "${coarse[@]}" | expand --complete -o grid
@@ -10,8 +10,8 @@ play: ticks outside the box 0, .*
 play: largest force .*'
 used() { python3 -c 'import json; print(json.load(open("report"))["force"])'; }
 
-# The default, by the traversal; a session records it, and a replay takes it.
-for words in '' '--force energy' '--force records' '--force state' '--traversal paper' '--traversal model'; do
+# It comes from what the traversal implies, of a replay, too.
+for words in '' '--traversal paper' '--traversal model'; do
   # shellcheck disable=SC2086  # words are split
   play grid --device path:path --beside off $words --report report --log "a$words" 2>/dev/null
   # shellcheck disable=SC2086
@@ -20,9 +20,8 @@ for words in '' '--force energy' '--force records' '--force state' '--traversal 
   cmp "a$words" b >&2
   used
 done >rules
-# Where nothing snaps both rules of traversal have the same state.
-[[ $(md5sum a a-* | cut -d ' ' -f 1 | sort -u | wc -l) == 4 ]] || fail "rules with the same forces: $(md5sum a a-*)"
-same rules $'energy\nenergy\nrecords\nstate\nstate\nstate' "$(cat rules)"
+[[ $(md5sum a a-* | cut -d ' ' -f 1 | sort -u | wc -l) == 3 ]] || fail "rules with the same forces: $(md5sum a a-*)"
+same rules $'energy\nstate\nstate' "$(cat rules)"
 
 # Without the plug-in, from what the grid stores: the same forces. Stored numbers are the model's own, so
 # nothing is rounded on the way.
@@ -49,7 +48,6 @@ refused() { # GRID REASON
   expect 0 '' "~play: $2: the forces of the records are interpolated
 ${summary:1}" -- play "$1" --device path:path --report report
   same rule records "$(used)"
-  expect 1 '' "~play: --force energy: $2" -- play "$1" --device path:path --force energy
 }
 refused spoilt 'the energies do not tell of the forces \(off by [0-9.]+ N with the energy, 0\.[0-9]+ N without\), since the grid is too coarse or the force is not their gradient; verify says which'
 refused dull 'no energy is known'
@@ -62,11 +60,6 @@ expect 4 '~.*
 gradient .* 1  note
 .*' 'verify: not proved: passive' -- verify spoilt --recompute none
 
-help='(see play --help)'
-expect 2 '' "play: --force: 'best' is not one of energy, records, state $help" -- \
-  play grid --device path:path --force best
-expect 2 '' "play: --force: --traversal model has no records to interpolate between $help" -- \
-  play grid --device path:path --traversal model --force records
 stores() { expect 1 '' "$2" -- seed "$ball" --set "search.store=$1"; }
 stores '["heat"]' '~.*search.store names heat; energy, force and shape are possible'
 stores 1 '~.*search.store must be an array.*'

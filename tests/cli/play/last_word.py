@@ -288,7 +288,7 @@ def scarce():
         os.chmod(record, 0o666)
         command = f"prlimit --{name}={value} {' '.join(user)} play stuck.0 --device".split()
         ended = subprocess.run(
-            [*command, f"process:/usr/bin/python3 {ADAPTER} {record} good", "--model-path", plugins, "--force", "state",
+            [*command, f"process:/usr/bin/python3 {ADAPTER} {record} good", "--model-path", plugins, "--traversal", "paper",
              "--set", "safety.ramp=20", "--duration", "0.2"], env=dict(os.environ, **dict([tag.split("=")])),
             stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, timeout=60)
         forces = [line.split()[2] for line in open(record) if " force " in line]

@@ -30,7 +30,7 @@ class Play:
                 stdout=subprocess.PIPE, text=True)
             command = f"/usr/bin/python3 {source}/examples/devices/haply.py {self.service.stdout.readline().strip()}"
         self.process = subprocess.Popen(
-            ["play", "stuck.0", "--device", f"process:{command}", "--model-path", plugins, "--force", "state", "--set",
+            ["play", "stuck.0", "--device", f"process:{command}", "--model-path", plugins, "--traversal", "paper", "--set",
              "safety.ramp=50", *options], env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
 
     def heard(self):

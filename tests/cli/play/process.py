@@ -41,7 +41,7 @@ class Play:
         self.mode, self.record = mode, f"record.{next(numbers)}"
         command = command or f"/usr/bin/python3 {ADAPTER} {self.record} {mode} {' '.join(words)}"
         self.process = subprocess.Popen(
-            [*wrapper, "play", grid, "--device", f"process:{command}", "--model-path", plugins, "--force", "state",
+            [*wrapper, "play", grid, "--device", f"process:{command}", "--model-path", plugins, "--traversal", "paper",
              "--set", "safety.ramp=50", *options], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
 
     def events(self, kind):
@@ -189,7 +189,7 @@ def at_the_end():
         assert sum(x == "0.5" for _, x, _ in play.events("force")) > 50
         # The same forces again, without the adapter.
         subprocess.run(["play", "stuck.0", "--device", "replay:log.session", "--log", "again.session", "--model-path",
-                        plugins, "--force", "state"], check=True, stderr=subprocess.DEVNULL)
+                        plugins], check=True, stderr=subprocess.DEVNULL)
         texts = [subprocess.run([sys.executable, SESSION, "text", name], check=True, capture_output=True,
                                 text=True).stdout for name in ("log.session", "again.session")]
         columns = texts[0].splitlines()[0].split("\t")
@@ -297,7 +297,7 @@ def real_time():
         return
     trace = subprocess.run(
         ["strace", "-f", "-o", "trace", "play", "stuck.0", "--device",
-         f"process:/usr/bin/python3 {ADAPTER} record.trace good", "--model-path", plugins, "--force", "state",
+         f"process:/usr/bin/python3 {ADAPTER} record.trace good", "--model-path", plugins, "--traversal", "paper",
          "--rate", "200", "--duration", "0.5", "--log", "trace.session"],
         env=dict(os.environ, ASAN_OPTIONS="detect_leaks=0"), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     assert trace.returncode == 0, trace.stderr

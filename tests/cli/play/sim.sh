@@ -15,8 +15,8 @@ hold = 1.25
 TOML
 
 # The box is 1.9 rope lengths long, and 0.1 m reach from end to end: 19 a metre. Without a ramp what is stored is the
-# energy of the first tick; with --force state it is the one that the log has.
-plain=(--force state --set safety.ramp=0 --set safety.reserve=inf)
+# energy of the first tick; with --traversal paper it is the one that the log has.
+plain=(--traversal paper --set safety.ramp=0 --set safety.reserve=inf)
 play grid --device sim:sim.toml "${plain[@]}" --log log --report report --sessions table 2>summary
 python3 "$here/sim.py" log table report summary
 expect 0 '' "~play: 24000 ticks, .*" -- play grid --device sim:sim.toml "${plain[@]}" --log a.session --sessions again

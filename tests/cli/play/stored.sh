@@ -21,10 +21,9 @@ grep -q '^stored ' report || fail "no check of what is stored: $(cat report)"
 [[ $(stats stored) == *"force, energy, shape of 49 spheres"* ]] || fail "stats: $(stats stored)"
 
 path=$HAPGRID_SOURCE/examples/hung-ball/path-there-and-back.txt
-# Without the model beside it, as the play without plug-ins.
-play evaluated --device "path:$path" --beside off --force state --log evaluated.log 2>/dev/null
+play evaluated --device "path:$path" --traversal paper --log evaluated.log 2>/dev/null
 # A directory without plug-ins beside a filter of its own.
 mkdir -p alone/bin alone/models
 cp "$HAPGRID_BUILD/bin/play" alone/bin
-alone/bin/play stored --device "path:$path" --force state --log stored.log 2>/dev/null
+alone/bin/play stored --device "path:$path" --traversal paper --log stored.log 2>/dev/null
 python3 "$here/stored.py" evaluated.log stored.log

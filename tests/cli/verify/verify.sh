@@ -143,19 +143,6 @@ first = {check["name"]: check["first"] for check in found["checks"]}["fidelity"]
 assert first.pop("text").startswith("point 1 (1, 0, 0) level 0 direction 20 (-1, 0, 1): C gives 0.25"), first
 assert first == {"point": [1, 0, 0], "level": 0, "direction": [-1, 0, 1]}, first
 PYTHON
-# What CI systems show.
-expect 3 '' "$seeds_verdict" -- verify seeds --format junit -o junit.xml
-python3 - <<'PYTHON'
-import xml.etree.ElementTree as xml
-suite = xml.parse("junit.xml").getroot()
-cases = suite.findall("testcase")
-broken = [case.get("name") for case in cases if case.find("failure") is not None]
-assert suite.tag == "testsuite" and int(suite.get("tests")) == len(cases) == 14, suite.attrib
-assert broken == ["complete", "coverage", "passive"] and suite.get("failures") == "3", broken
-failure = cases[0].find("failure")
-assert failure.get("message").startswith("8 of 8 records: records that no expand"), failure.attrib
-assert "point 11 (3, 2, 0) level 0" in failure.text, failure.text
-PYTHON
 HAPGRID_MODEL_PATH=changed verify grid -j 2 >found 2>err || true
 same "the same with HAPGRID_MODEL_PATH and two threads" 'verify: broken: fidelity (106 of 256)' \
   "$(cat err)"
