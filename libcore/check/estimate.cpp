@@ -176,7 +176,7 @@ Series search_all(const Definition& definition, std::unique_ptr<Model>& model, d
                "coarser grid, "
                "of {} points. --seconds gives it more time",
                series.last.conversions, seconds, series.last.points));
-  double changed = kUnknownFactor - 1;  // of the levels beyond the first
+  double changed = kUnknownFactor - 1;
   while (stride > 1 && Clock::now() < end) {
     stride = std::min(stride - 1, static_cast<std::uint32_t>(stride * kFiner + 1));
     const Found finer = search_next();
@@ -185,8 +185,10 @@ Series search_all(const Definition& definition, std::unique_ptr<Model>& model, d
     series.last = finer;
   }
   const Found& last = series.last;
+  const bool is_all = last.points == definition.box.points();
+  if (is_all) changed = 0;  // that was the grid itself
   // Where no more levels were seen at n points, at most 3 in n have some (95 %).
-  const double open = last.points < definition.box.points() ? kRuleOfThree / count(last.points) : 0;
+  const double open = is_all ? 0 : kRuleOfThree / count(last.points);
   const double most = last.levels * (1 + changed + open);
   series.levels = {last.levels, std::max(1.0, last.levels / (1 + changed + open)), most};
   return series;

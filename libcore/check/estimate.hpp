@@ -24,10 +24,9 @@ struct GridEstimate {
 };
 
 /// Searches a coarse grid in the same box, then finer ones while there is time. The last one that
-/// ended gives the levels of a point. The range of
-/// levels is what they changed by from the grid before, twice, to either side, and at least what
-/// the number of points leaves open; of a single grid, a factor of 3 of the levels beyond the
-/// first. The range of the time also has the spread of the conversions.
+/// ended gives the levels of a point. Their range is twice what they changed by from the grid
+/// before, to either side, and at least what the number of points leaves open; of a single coarse
+/// grid it is a factor of 3. The range of the time also has the spread of the conversions.
 /// @param seconds the time for all searches, from when the model has started
 /// @param conversion of a step of the whole grid, in seconds
 /// @throw Error, ModelError when a search fails, or none ended in this time
