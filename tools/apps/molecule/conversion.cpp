@@ -11,6 +11,11 @@ namespace {
 // A minimum without contact counts as a molecule at rest when no scaled variable is farther from
 // that, Å.
 constexpr double kSnap = 0.01;
+// A variable that goes farther than this, Å, between two minimisations has left its branch. Where a
+// branch ends decides where the molecule comes to rest, so this move of the HIP is made once more
+// in so many pieces.
+constexpr double kLeap = 0.15;
+constexpr int kPieces = 8;
 
 }  // namespace
 
@@ -48,7 +53,7 @@ void Conversion::convert(const double* s, const double* x, const double* d, doub
     if (rest != none)
       minimiser_.minimise(state.data(), p, step == substeps);
     else
-      minimiser_.follow(state.data(), p, move, step == substeps);
+      follow(state.data(), p, move, step == substeps);
     rest = none;
     if (energy_.touches()) continue;
     const std::size_t nearest = minima_.near(state.data(), kSnap);
@@ -58,6 +63,25 @@ void Conversion::convert(const double* s, const double* x, const double* d, doub
   }
   for (std::size_t i = 0; i < n; ++i)
     result[i] = rounded_state(i < energy_.morph().paths() ? energy_.inside(i, state[i]) : state[i]);
+}
+
+void Conversion::follow(double* state, const double* x, const double* move, bool last) {
+  const std::size_t n = energy_.variables();
+  std::array<double, kMaxVariables> before;
+  std::copy_n(state, n, before.begin());
+  minimiser_.follow(state, x, move, last);
+  double farthest = 0;
+  for (std::size_t i = 0; i < n; ++i)
+    farthest = std::max(farthest, std::abs(state[i] - before[i]) * energy_.scale(i));
+  if (farthest <= kLeap) return;
+  std::copy_n(before.begin(), n, state);
+  const double piece[3] = {move[0] / kPieces, move[1] / kPieces, move[2] / kPieces};
+  double at[3] = {x[0] - move[0], x[1] - move[1], x[2] - move[2]};
+  minimiser_.start(state, at);
+  for (int k = kPieces - 1; k >= 0; --k) {
+    for (int a = 0; a < 3; ++a) at[a] = x[a] - k * piece[a];
+    minimiser_.follow(state, at, piece, last || k > 0);
+  }
 }
 
 }  // namespace hapgrid::molecule

@@ -1,5 +1,6 @@
 // The conversion function C(s, x, d) of a molecule. The HIP moves in small steps; at each step the
-// state goes down to the minimum of the hybrid energy in whose basin it is.
+// state goes down to the minimum of the hybrid energy in whose basin it is. Where it leaves its
+// branch the steps are smaller still.
 #pragma once
 
 #include "tools/apps/molecule/energy.hpp"
@@ -28,6 +29,9 @@ class Conversion {
   void convert(const double* s, const double* x, const double* d, double* result);
 
  private:
+  /// The HIP comes to x by one move, along which the state follows it down.
+  void follow(double* state, const double* x, const double* move, bool last);
+
   HybridEnergy& energy_;
   double substep_;
   Minima minima_;

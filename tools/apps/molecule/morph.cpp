@@ -198,44 +198,6 @@ Morph::Morph(const Molecule& molecule)
   }
 }
 
-/// Finds the length of a path.
-void Morph::measure(const Molecule& molecule, std::size_t k) {
-  const Path& path = molecule.paths[k];
-  const std::size_t steps = path.beyond() ? paths_[k].segments : 1;
-  Shape from = make_shape(), to = make_shape();
-  std::vector<double> t(paths_.size());
-  t[k] = paths_[k].low;
-  shape(t.data(), from);
-  for (std::size_t m = 1; m <= steps; ++m) {
-    t[k] = paths_[k].low + static_cast<double>(m) / static_cast<double>(steps);
-    shape(t.data(), to);
-    double sum = 0;
-    for (std::size_t i = 0; i < tree_.size(); ++i) {
-      const double d[3] = {to.x[i] - from.x[i], to.y[i] - from.y[i], to.z[i] - from.z[i]};
-      sum += d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-    }
-    paths_[k].length += std::sqrt(sum / static_cast<double>(tree_.size()));
-    std::swap(from, to);
-  }
-}
-
-/// Whether the shape comes to its place again at the end of a path that closes. Where the alignment
-/// heeds the whole molecule it can lie there another way round.
-bool Morph::meets(std::size_t k) const {
-  constexpr double kNear = 1e-4;  // of the path, from its ends
-  Shape from = make_shape(), to = make_shape();
-  std::vector<double> t(paths_.size());
-  t[k] = paths_[k].low + kNear;
-  shape(t.data(), from);
-  t[k] = paths_[k].low + 1 - kNear;
-  shape(t.data(), to);
-  double farthest = 0;
-  for (std::size_t i = 0; i < tree_.size(); ++i)
-    farthest = std::max(farthest,
-                        std::hypot(to.x[i] - from.x[i], to.y[i] - from.y[i], to.z[i] - from.z[i]));
-  return farthest < 0.1;  // Å
-}
-
 /// Finds the weights, their centre, and the conformation as seen from there.
 void Morph::weigh(const Molecule& molecule) {
   const std::vector<int>& fixed = molecule.fixed;

@@ -58,9 +58,12 @@ def whole(search, job):
         plus, minus = _round(plus) if holds else _cut(search, plus)
     else:
         minus, _ = drive(search, torsion, -1, apart, [plus.nodes[k] for k in plus.minima()])
-        if minus.why == BACK:
+        if minus.why == BACK and not holds:
             raise optimise.NoPath("a whole turn comes back in one direction only")
-        if not holds:
+        if minus.why == BACK:  # the other direction only leads to fewer minima
+            whole_turn = True
+            minus, plus = _round(minus)
+        elif not holds:
             plus, minus = _before_jump(search, plus), _before_jump(search, minus)
     if not plus.minima() + minus.minima() and not (holds and whole_turn):
         raise optimise.NoPath(f"nothing behind its saddles: {plus.why}; {minus.why}")

@@ -43,8 +43,8 @@ class Hold:
 
 @dataclass(frozen=True)
 class Tie:
-    """force: the most, kJ/(mol Å); stiffness: at the atom, kJ/(mol Å²); arm: of what is held from the centre of what is fixed,
-    Å."""
+    """force: the most, kJ/(mol Å); stiffness: at the atom, kJ/(mol Å²); arm: of what is held from the centre of what is
+    fixed, Å."""
     force: float
     stiffness: float
     arm: float
@@ -67,7 +67,8 @@ def named(molecule, text):
     pattern = Chem.MolFromSmarts(text)
     if pattern is None or all(re.fullmatch(r"[A-Z][a-z]?\d+|\d+", word) for word in words):
         missing = next(word for word in words if word not in names)
-        raise UsageError(f"--hold: no atom {missing}, and no SMARTS: the atoms are {listed(list(names)[:len(molecule.numbers)])}")
+        known = listed([rotors.label(molecule.numbers, a) for a in range(len(molecule.numbers))])
+        raise UsageError(f"--hold: no atom {missing}, and no SMARTS: the atoms are {known}")
     match = molecule.matches(text)
     if not match:
         raise UsageError(f"--hold: the SMARTS {text} matches nothing in the molecule")

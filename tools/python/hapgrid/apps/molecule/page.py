@@ -77,7 +77,8 @@ def page(start, turned, ways, felt):
         "SAID": html.escape(kept.read(ways[0]).split("\n", 1)[0].lstrip("# ")),
         "FACTS": "".join(f"<dt>{key}<dd>{value if key == 'Formula' else html.escape(value)}"
                          for key, value in facts.items() if value),
-        "FEEL": ("" if turned else f"<p>{html.escape(choice.nothing_turns(kept))}.") + (FEEL if felt else ""), "GRID": html.escape(shlex.quote(f"{name}.grid")), "WAY": html.escape(shlex.quote(f"path:{ways[0]}")),
+        "FEEL": ("" if turned else f"<p>{html.escape(choice.nothing_turns(kept))}.") + (FEEL if felt else ""),
+        "GRID": html.escape(shlex.quote(f"{name}.grid")), "WAY": html.escape(shlex.quote(f"path:{ways[0]}")),
         "TOML": html.escape(f"{name}.toml"), "TABLE": barriers(kept), "METHOD": html.escape(method),
         "MOLECULE": json.dumps(molecule).replace("<", "\\u003c"), "VERIFY": html.escape(kept.read("verify.txt"))}
     return re.sub("@([A-Z]+)@", lambda found: parts[found[1]], TEMPLATE)

@@ -1,7 +1,8 @@
 """The hand's ways. Where it holds an atom, each leads this along the way on which a path moves it: all round and back where
-the path closes, otherwise to both ends. Where it pushes with the probe, each comes from outside, pushes at an atom in the direction in which a path moves it, and goes back on the
-same line. Several such lines are played, and the best is kept: where a path goes on behind its barriers one that leaves the
-molecule in another minimum, otherwise the one that turns the torsion farthest.
+the path closes, otherwise to both ends. Where it pushes with the probe, each comes from outside, pushes at an atom in the
+direction in which a path moves it, and goes back on the same line. Several such lines are played, and the best is kept: where
+a path goes on behind its barriers one that leaves the molecule in another minimum, otherwise the one that turns the torsion
+farthest.
 """
 
 import json
@@ -91,7 +92,9 @@ def _held(start, grid, structures, hold, taken):
         saddles = _saddles(path, energies)
         t = read_log(folder.run("play", grid, "--device", f"path:{file}", "--log", "-").out)[f"s{taken.index(name)}"]
         over = sum(_crossed(t, at) for at in saddles)
-        said = OVER.format(over, len(saddles)) if over < len(saddles) else "over all its barriers" if over > 1 else "over its barrier"
+        said = "over all its barriers" if over > 1 else "over its barrier"
+        if over < len(saddles):
+            said = OVER.format(over, len(saddles))
         write_way(folder, file, ticks, f"The hand holds {what} and leads it along its own way, and back: {name} goes {said}.")
         made.append((-over, k, file))
     return [file for *_, file in sorted(made)]
