@@ -100,8 +100,8 @@ do_user() {
 
   hapgrid init m --lang python
   make -C m
-  hapgrid seed "$(hapgrid data)/hung-ball.toml" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' |
-    hapgrid expand --complete | tee ball.grid | hapgrid verify
+  hapgrid seed "$(hapgrid data)/hung-ball.toml" | hapgrid expand --complete | tee ball.grid | hapgrid verify
+  cmp ball.grid "$(hapgrid data)/hung-ball.grid"
   hapgrid plot slice ball.grid --at y=0 -o levels.png
   hapgrid play ball.grid --device "path:$(hapgrid data)/../doc/hapgrid/examples/hung-ball/path-there-and-back.txt" --frames - |
     hapgrid view --png picture.png
