@@ -11,10 +11,11 @@
 #   package     the Debian package is made; in a second root, which has no more than this one had, it is installed and works
 #   wheel       .ci/wheel makes the wheel, on Debian 12, and leaves it in dist/
 #   pip         in a second root, a user who is not root installs the wheel of dist/ with pip; it comes by itself after `wheel`
-#   clone       pip installs from the clone itself, where Debian has scikit-build-core: 13 and newer
 #   check       the tests
 #   molecule    from a molecule to a grid, which is felt
 #   rest        only where it is asked for: the tests that check-all has beyond check, and those that lacked a package there
+#   clone       as the last one, since it changes how build/ installs: pip installs from the clone itself, where Debian has
+#               scikit-build-core, which is 13 and newer
 #
 # A table comes at the end: seconds, megabytes downloaded and installed from Debian's packages. The output of a step
 # that fails is shown, and the others are done all the same.
