@@ -9,15 +9,15 @@ case ${1-} in
     cat <<'EOT'
 Usage: hapgrid feel GRID [-o FILE.html] [OPTION OF VIEW...]
 
-Writes a page that plays GRID by itself, and opens it in the browser. The page is
-one file, which needs neither hapgrid nor a network: with -o it is kept, and can
-be sent to others or put on any web server, also for phones. A drag of the mouse
-or a finger moves the hand, the wheel moves it in depth, and the key h shows all
-keys. Nothing pushes back, so the picture shows the force: a thread leads from
-the ring, which is the hand, to the ball that it pulls. Where the model resists,
-the thread grows, and where the model snaps, it shrinks. The button path saves
-where the ball went, for play --device path:FILE. Options are those of view for
-the picture, such as --style sticks.
+Writes a page that plays GRID by itself, and opens it in the browser. The page
+is one file, which needs neither hapgrid nor a network: with -o it is kept, and
+can be sent to others or put on any web server, also for phones. A drag of the
+mouse or a finger moves the hand, the wheel moves it in depth, and the key h
+shows all keys. Nothing pushes back, so the picture shows the force: a thread
+leads from the ring, which is the hand, to the ball that it pulls. Where the
+model resists, the thread grows, and where the model snaps, it shrinks. The
+button path saves where the ball went, for play --device path:FILE. Options are
+those of view for the picture, such as --style sticks.
 EOT
     exit 0
     ;;

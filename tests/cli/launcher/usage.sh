@@ -32,11 +32,11 @@ expect 0 '' '' -- expand --complete seeds -o out
 
 # What a long command needs is looked for before it begins: here, without the module that draws its last pictures.
 for command in molecule table dock; do
-  folder=${command/dock/docking}
-  refuses "$command: .*matplotlib.* missing: install the Debian packages? .*python3-matplotlib.*" -- \
+  refuses "$command: .*matplotlib.* missing: install the Debian packages? .*python3-matplotlib.*, or .*by pip install 'hapgrid.$command.'" -- \
     /usr/bin/python3 -c 'import runpy, sys
 sys.modules["matplotlib"] = None
-runpy.run_path(sys.argv[1], run_name="__main__")' "$HAPGRID_SOURCE/examples/$folder/hapgrid-$command" nowhere -o dir
+sys.path.insert(0, sys.argv.pop(1))
+runpy.run_module("hapgrid.apps." + sys.argv.pop(1), run_name="__main__")' "$HAPGRID_BIN/../python" $command nowhere -o dir
   [[ ! -e dir ]] || fail "$command began"
 done
 

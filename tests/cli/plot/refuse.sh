@@ -48,11 +48,11 @@ nothing_left empty
 # Without matplotlib, as in a system where it is not installed.
 mkdir -p other/bin hidden
 ln -s "$HAPGRID_BIN/../python" other/python
-sed '1s/ -E$//' "$(command -v plot)" >other/bin/plot
+sed 's/" -E /" /' "$(command -v plot)" >other/bin/plot
 chmod +x other/bin/plot
 echo 'raise ImportError("No module named matplotlib")' >hidden/matplotlib.py
 echo old >old.png
-PYTHONPATH=$PWD/hidden refuses 'plot: No module named matplotlib: install the Debian package python3-matplotlib' -- \
+PYTHONPATH=$PWD/hidden refuses 'plot: No module named matplotlib: install the Debian package python3-matplotlib, or pip install .hapgrid.plot..' -- \
   other/bin/plot columns log --y s0 -o old.png
 # Modules of another Python, to which PYTHONPATH leads, are left alone.
 PYTHONPATH=$PWD/hidden expect 0 '' '' -- plot columns log --y s0 -o a.png

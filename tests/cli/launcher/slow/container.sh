@@ -23,7 +23,7 @@ set -euxo pipefail
 export LC_ALL=C.UTF-8
 cd /root
 [[ ! -e /hapgrid.deb ]]
-hapgrid seed /usr/share/doc/hapgrid/examples/hung-ball/hung-ball.toml --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' |
+hapgrid seed /usr/share/doc/hapgrid/examples/hung-ball/hung-ball.toml |
   hapgrid expand --complete -o grid
 hapgrid verify grid -o report
 hapgrid molecule --smiles C#N -o cyanide --method gfnff --spacing 1.2 --quiet | grep '^hapgrid play '
