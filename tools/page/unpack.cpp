@@ -2,7 +2,7 @@
 #include <cstring>
 #include <utility>
 
-#include "libcore/grid/grid_builder.hpp"
+#include "libcore/grid/grid.hpp"
 #include "tools/page/packed_grid.hpp"
 
 namespace hapgrid {
@@ -103,7 +103,7 @@ UnpackedGrid unpack_grid(const unsigned char* from) {
       columns.rows[r * row_size + c] = head.shape_low + head.shape_step * steps;
     });
   // No record is of the generation of the grid, so none is in its frontier.
-  return {GridBuilder(std::move(spec), /*generation=*/1, std::move(columns)).finish(),
+  return {Grid(std::move(spec), /*generation=*/1, columns),
           std::move(fields),
           head.by_energy != 0,
           std::move(scene),

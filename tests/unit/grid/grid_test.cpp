@@ -53,7 +53,7 @@ TEST_CASE("a grid knows each point's records and each record's row, whatever the
     }
   }
   first.push_back(static_cast<RecordIndex>(columns.size()));
-  GridBuilder builder(spec, 5000, false, columns.size());
+  GridBuilder builder(spec, 5000, columns.size());
   std::vector<std::size_t> cuts{0, columns.size()};
   for (int i = 0; i < 40; ++i) cuts.push_back(random() % columns.size());
   std::sort(cuts.begin(), cuts.end());
@@ -65,8 +65,7 @@ TEST_CASE("a grid knows each point's records and each record's row, whatever the
                               run(columns.level, 1),
                               run(columns.generation, 1),
                               run(columns.rows, 2),
-                              run(columns.links, kDirections),
-                              {}});
+                              run(columns.links, kDirections)});
   }
   const Grid grid = builder.finish();
   REQUIRE(grid.records() == columns.size());

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "libcore/grid/grid_builder.hpp"
+#include "libcore/grid/grid.hpp"
 #include "libcore/grid/vec3.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/refusal.hpp"
@@ -49,7 +49,7 @@ Grid two_branches(const GridCoordinates& counts, bool exact) {
         columns.links.push_back(!inside ? kLeavesBox : ends ? Level{0} : level);
       }
     }
-  return GridBuilder(spec, 1, std::move(columns)).finish();
+  return Grid(spec, 1, columns);
 }
 
 UnpackedGrid unpacked(const PackedGrid& packed) {
