@@ -1,7 +1,10 @@
 """A protein or nucleic acid as PDB2PQR writes it, .pqr, with AutoDock's types of atoms. Open Babel gives the
 charged groups of proteins no charge, so that it cannot make their PDBQT."""
 
+from __future__ import annotations
+
 import numpy as np
+from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import Failed
 
 BOND = 1.45  # angstrom: a hydrogen is no farther from its atom, which may be sulphur
@@ -11,7 +14,7 @@ BASES = ("A", "C", "G", "U", "T", "DA", "DC", "DG", "DT")
 METALS = ("MG", "ZN", "MN", "FE")
 
 
-def pdbqt(text, given):
+def pdbqt(text: str, given: str) -> str:
     """The text of a PDBQT file. Hydrogens of carbon become a part of their atom, as AutoDock has them."""
     atoms = [_atom(line.split(), given) for line in text.splitlines() if line.startswith(("ATOM", "HETATM"))]
     heavy = [n for n, (element, *_) in enumerate(atoms) if element != "H"]
@@ -30,7 +33,7 @@ def pdbqt(text, given):
         if atoms[bound[n]][0] == "C":
             charges[bound[n]] += charges[n]
     with_hydrogen = set(bound.values())
-    lines = []
+    lines: list[str] = []
     for n, (element, name, residue, place, _) in enumerate(atoms):
         if element == "H" and atoms[bound[n]][0] == "C":
             continue
@@ -40,7 +43,7 @@ def pdbqt(text, given):
     return "".join(lines)
 
 
-def _atom(words, given):
+def _atom(words: list[str], given: str) -> tuple[str, str, str, Array, float]:
     """(element, name, residue, place, charge)"""
     try:
         x, y, z, charge, _ = map(float, words[-5:])
@@ -53,7 +56,7 @@ def _atom(words, given):
     return element, name, residue, np.array((x, y, z)), charge
 
 
-def _kind(element, name, residue, has_hydrogen):
+def _kind(element: str, name: str, residue: str, has_hydrogen: bool) -> str:
     """AutoDock's type. Terminal residues may have N or C before their name, and histidine is called by its hydrogens."""
     residue = residue[1:] if len(residue) == 4 and residue[0] in "NC" else residue
     residue = "HIS" if residue in ("HID", "HIE", "HIP", "HSD", "HSE", "HSP") else residue

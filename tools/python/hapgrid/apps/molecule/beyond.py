@@ -6,10 +6,17 @@ saddle, whose two sides become the path's ends: the highest one from which the c
 its halves have turned so far against each other that the alignment jumps. Otherwise the other direction is driven, too.
 """
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import replace
+
+from hapgrid.apps.common.arrays import Array, Shapes
 
 from . import geometry, optimise, path
 from .results import Path
+from .search import Search
+from .torsions import Torsion
 from .xtb import XtbError
 
 LEGS = 6  # in one direction, at most
@@ -17,7 +24,8 @@ JUMP = 3.0  # times the way that the atoms go: how far an aligned shape moves wh
 BACK = "back in the conformation"
 
 
-def drive(search, torsion, sign, apart=None, known=()):
+def drive(search: Search, torsion: Torsion, sign: int, apart: float | None = None,
+          known: Shapes = ()) -> tuple[Path, float | None]:
     """(Path, distance of its nodes) of a torsion in one direction. It ends before a saddle to one of the known minima."""
     way, at = Path([search.x], [search.energy], why=f"{LEGS} saddles are enough"), search.rest
     for _ in range(LEGS):
@@ -44,7 +52,7 @@ def drive(search, torsion, sign, apart=None, known=()):
     return way, apart
 
 
-def whole(search, job):
+def whole(search: Search, job: str) -> Path:
     """The Path of a torsion, both directions as one. Errors: optimise.NoPath, where no minimum is behind a saddle."""
     torsion, _ = search.jobs[job]
     plus, apart = drive(search, torsion, 1)
@@ -64,7 +72,7 @@ def whole(search, job):
     return Path(nodes, minus.energies[:0:-1] + plus.energies, start, dict(sorted(kinds.items())))
 
 
-def _jump(search, nodes):
+def _jump(search: Search, nodes: Sequence[Array]) -> int | None:
     """The first node at which the alignment with the conformation jumps; None where it never does."""
     masses = search.surface.masses
     chain = path.aligned_chain(nodes, masses)
@@ -73,11 +81,11 @@ def _jump(search, nodes):
                  if geometry.rms(aligned[k], aligned[k - 1]) > JUMP * geometry.rms(chain[k], chain[k - 1])), None)
 
 
-def _part(way, count):
+def _part(way: Path, count: int) -> Path:
     return Path(way.nodes[:count], way.energies[:count], 0, {k: kind for k, kind in way.kinds.items() if k < count}, way.why)
 
 
-def _before_jump(search, way):
+def _before_jump(search: Search, way: Path) -> Path:
     """A way without what is behind the last saddle before a jump, where there is one."""
     at = _jump(search, way.nodes)
     if at is None:
@@ -86,7 +94,7 @@ def _before_jump(search, way):
     return replace(_part(way, last if way.kinds.get(last) == "saddle" else at), why="the molecule's alignment would jump")
 
 
-def _cut(search, circle):
+def _cut(search: Search, circle: Path) -> tuple[Path, Path]:
     """The two parts of a circle, each from the conformation to a node before one of its saddles."""
     last = len(circle.nodes) - 1
     back = Path([circle.nodes[0], *circle.nodes[-2::-1]], [circle.energies[0], *circle.energies[-2::-1]], 0,
@@ -95,5 +103,5 @@ def _cut(search, circle):
     if len(saddles) == 1:  # of the same shape once more
         return circle, _part(back, 1)
     parts = [(_part(circle, k), _part(back, last - k)) for k in saddles]
-    smooth = (both for both in parts if all(_jump(search, part.nodes) is None for part in both))
-    return next(smooth, None) or tuple(_before_jump(search, part) for part in parts[0])
+    smooth = [both for both in parts if all(_jump(search, part.nodes) is None for part in both)]
+    return smooth[0] if smooth else (_before_jump(search, parts[0][0]), _before_jump(search, parts[0][1]))

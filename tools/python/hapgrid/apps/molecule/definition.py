@@ -1,15 +1,21 @@
 """The box of a grid and its MODEL.toml."""
 
+from __future__ import annotations
+
 import math
 import tomllib
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 from hapgrid.apps.common import files
+from hapgrid.apps.common.arrays import Array
 
 from .elements import RADII
-from .molecule import BadInput
+from .molecule import BadInput, Molecule
+from .results import Result
 from .stiffness import Stiffness
+from .torsions import Torsion
 from .xtb import BOHR
 
 PROBE = 1.2  # angstrom
@@ -32,17 +38,18 @@ class Definition:
     by hand nothing else is here. torsions: those that the paths turn; seconds: that the grid takes, about, where that is
     known."""
     title: str
-    paths: list
-    low: np.ndarray = None
-    high: np.ndarray = None
+    paths: Sequence[str]
+    low: Array = field(default_factory=lambda: np.zeros(3))
+    high: Array = field(default_factory=lambda: np.zeros(3))
     spacing: float = 1.0
-    torsions: tuple = ()
+    torsions: Sequence[Torsion] = ()
     basins: bool = False  # whether paths go on behind their saddles
     stiffness: Stiffness = Stiffness()
-    seconds: float = None
+    seconds: float | None = None
 
     @classmethod
-    def around(cls, molecule, result, paths, basins=False, spacing=0.0, room=()):
+    def around(cls, molecule: Molecule, result: Result, paths: Sequence[str], basins: bool = False, spacing: float = 0.0,
+               room: Sequence[float] = ()) -> Definition:
         """The box around all shapes of the paths that are taken, with the probe around them, and the room in which a push
         begins. spacing: of the grid, where it is known already; room: how much more each side needs, low x, y, z and high x,
         y, z, since the molecule yields when it is pushed (grids.py)."""
@@ -57,11 +64,11 @@ class Definition:
         return cls(f"{molecule.formula}, {len(molecule.numbers)} atoms", paths, low - cell - more[0],
                    high + cell + more[1], cell, basins=basins)
 
-    def counts(self):
+    def counts(self) -> list[int]:
         cells = np.ceil((self.high - self.low) / self.spacing - 1e-9).astype(int)
         return [max(int(n) + 1, LEAST_POINTS) for n in cells]
 
-    def text(self):
+    def text(self) -> str:
         why = "" if self.basins or not self.paths else WHY
         origin = (self.low + self.high - (np.array(self.counts()) - 1) * self.spacing) / 2
         paths = "".join(f'  "{name}.xyz",\n' for name in self.paths)
@@ -102,7 +109,7 @@ tears = false              # whether the search finds where the model snaps; pla
 """
 
 
-def paths_of(path):
+def paths_of(path: str) -> list[str]:
     """The paths that a definition names, changed by hand or not.
     Errors: BadInput, where it is of another model or names a file that is not beside it."""
     try:

@@ -5,19 +5,27 @@ past is measured, not guessed. Where a grid has a record at a side of its box in
 probe holds it there, and what lies behind is cut off. The box is then made a cell wider on that side.
 """
 
+from __future__ import annotations
+
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import asdict, astuple, dataclass, field, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from hapgrid.apps.common import files, grid
 from hapgrid.apps.common.cli import BreaksRule
 from hapgrid.apps.common.files import Failed
-from hapgrid.apps.common.work import about, duration
+from hapgrid.apps.common.work import Work, about, duration
 
 from . import choice, resolution, stiffness, xyz
-from .definition import Definition, MAX_LEVELS, PENALTY, paths_of
+from .definition import MAX_LEVELS, PENALTY, Definition, paths_of
+from .results import Result
 from .xtb import BOHR, HARTREE
+
+if TYPE_CHECKING:
+    from .steps import Start
 
 VERIFY_SHARE = 0.15  # of the time that the grid took, about
 MOST_ROOM = 4.0  # angstrom that a side of the box is moved outwards, before no more room is looked for
@@ -36,21 +44,23 @@ class Fault:
     low x, y, z and high x, y, z, angstrom."""
     kind: str
     text: str
-    sides: tuple = ()
+    sides: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
 class Remedies:
     """What was learnt from grids that had a fault. unwanted: paths, and why; softer: how many times softer anchors are
     than the rule has them; sides: as in Fault."""
-    unwanted: dict = field(default_factory=dict)
+    unwanted: dict[str, str] = field(default_factory=dict)
     softer: int = 1
-    sides: tuple = (0.0,) * 6
+    sides: tuple[float, ...] = (0.0,) * 6
 
-    may_widen = property(lambda self: max(self.sides) < MOST_ROOM)
+    @property
+    def may_widen(self) -> bool:
+        return max(self.sides) < MOST_ROOM
 
     @classmethod
-    def of(cls, kept):
+    def of(cls, kept: Any) -> Remedies:
         """Those that asdict() gave, or none where `kept` is something else: it may come from a stranger."""
         try:
             one = cls({str(k): str(why) for k, why in kept["unwanted"].items()}, int(kept["softer"]),
@@ -60,7 +70,7 @@ class Remedies:
         return one if len(one.sides) == 6 and all(0 <= v < 100 for v in one.sides) and 0 < one.softer < 1 << 20 else cls()
 
 
-def make_grid(start, shapes):
+def make_grid(start: Start, shapes: Result) -> Definition:
     """The Definition of the grid that has no fault, after as many as that takes. With --until definition its grid is not
     there yet."""
     kept = start.folder
@@ -86,7 +96,7 @@ def make_grid(start, shapes):
         kept.say("  " + words)
 
 
-def cure(remedies, fault, definition):
+def cure(remedies: Remedies, fault: Fault, definition: Definition) -> tuple[Remedies, str] | None:
     """(Remedies that also cure the fault of a grid, what is done in words), None where there is no cure."""
     rule, paths = definition.stiffness, definition.paths
     if fault.kind == ROOM:
@@ -101,7 +111,7 @@ def cure(remedies, fault, definition):
     return None
 
 
-def planned(start, shapes, remedies):
+def planned(start: Start, shapes: Result, remedies: Remedies) -> tuple[Definition, Fault | None]:
     """(the Definition of the grid, the Fault of its coarse grid or None)."""
     o, kept = start.options, start.folder
     paths = choice.choose(start, shapes, remedies.unwanted)
@@ -114,19 +124,19 @@ def planned(start, shapes, remedies):
             return one, fault
     text = one.text()
 
-    def compute():
+    def compute() -> list[str]:
         kept.write(f"{kept.name()}.toml", text)
         return [f"{kept.name()}.toml"]
     kept.step("definition", f"writing {kept.name()}.toml", [], [text, kept.name()], compute)
     return one, None
 
 
-def stiffness_of(start, shapes, paths, softer):
+def stiffness_of(start: Start, shapes: Result, paths: Sequence[str], softer: int) -> stiffness.Stiffness:
     kept = start.folder
     if not paths or start.options.basins:
         return stiffness.Stiffness()
 
-    def compute():
+    def compute() -> tuple[float, ...]:
         kept.say("computing how stiff the torsions are")
         surface = start.surface(shapes.x)
         tangents = [stiffness.tangent(surface.tree, [node * BOHR for node in f.nodes], f.start, surface.masses)
@@ -138,12 +148,12 @@ def stiffness_of(start, shapes, paths, softer):
     return kept.kept.take(key, compute, lambda values: stiffness.Stiffness(*map(xyz.finite, values))).softer(softer)
 
 
-def resolved(start, shapes, coarse, may_widen):
+def resolved(start: Start, shapes: Result, coarse: Definition, may_widen: bool) -> tuple[Definition, Fault | None]:
     """(the Definition with the spacing that a coarse grid tells, the Fault of the coarse grid or None)."""
     kept, threads = start.folder, start.options.threads
     text = coarse.text()
 
-    def compute():
+    def compute() -> list[str] | Fault:
         kept.write("coarse.toml", text)
         what = f"computing a coarse grid, {coarse.spacing:g} Å, from which the box and the spacing follow"
         fault = computed(start, what, "coarse", None, may_widen)
@@ -166,7 +176,7 @@ def resolved(start, shapes, coarse, may_widen):
     return one, None
 
 
-def computed(start, what, name, seconds, look_for_room):
+def computed(start: Start, what: str, name: str, seconds: float | None, look_for_room: bool) -> Fault | None:
     """Computes a grid; its Fault, or None. seconds: that it takes, where they are known."""
     kept, threads = start.folder, start.options.threads
     seconds = seconds or grid.estimated(kept, f"{name}.toml", threads)
@@ -177,7 +187,7 @@ def computed(start, what, name, seconds, look_for_room):
     return short_of_room(kept, f"{name}.grid") if look_for_room else None
 
 
-def short_of_room(folder, made):
+def short_of_room(folder: Work, made: str) -> Fault | None:
     """The Fault of a grid at whose sides the molecule is held, or None."""
     array = ".room.npy"
     try:
@@ -194,13 +204,13 @@ def short_of_room(folder, made):
     return Fault(ROOM, "the molecule is pushed as far as a side of the box", tuple((spacing * sides).tolist()))
 
 
-def grid_fault(start, definition, look_for_room):
+def grid_fault(start: Start, definition: Definition, look_for_room: bool) -> Fault | None:
     """Computes and verifies the grid; its Fault, or None."""
     o, kept = start.options, start.folder
     name = kept.name()
     toml, made = f"{name}.toml", f"{name}.grid"
 
-    def compute():
+    def compute() -> list[str] | Fault:
         what = f"computing {made}, how the molecule yields at each place of the probe"
         return computed(start, what, name, definition.seconds, look_for_room) or [made, f"{made}.cost"]
     fault = kept.step("grid", "", [toml, "conformation.xyz", *(path + ".xyz" for path in definition.paths)], [], compute)
@@ -208,7 +218,7 @@ def grid_fault(start, definition, look_for_room):
         return fault
     title = "checking that the grid is whole and that its states are the model's"
 
-    def verify():
+    def verify() -> list[str] | Fault:
         seconds = VERIFY_SHARE * grid.cpu_seconds(kept, made) / o.threads
         fine = grid.verify(kept, title, made, o.threads, seconds)
         return ["verify.txt"] if fine else Fault(RULE, f"{made} breaks a rule: see {kept.path('verify.txt')}")

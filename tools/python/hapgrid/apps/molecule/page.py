@@ -1,18 +1,27 @@
 """Plots, pictures, and the page that sums up. Names and texts in it may come from anybody; none of them is trusted."""
 
+from __future__ import annotations
+
 import html
 import json
 import re
 import shlex
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
+from hapgrid.apps.common.work import Work
 from rdkit import Chem
 
 from . import choice, files
 from .elements import COLOURS, SYMBOLS
 from .molecule import placed, signed
 from .pushing import read_log
-from .xyz import frames, frames_of
+from .xyz import Frame, frames, frames_of
+
+if TYPE_CHECKING:
+    from .steps import Start
+    from .torsions import Torsion
 
 ALL_BONDS = 4 | 8  # of RDKit: bonds between all atoms, each once
 CURVES = (("energy.png", "own_energy", "energy of the molecule / (kJ/mol)"), ("force.png", "sent", "force on the hand / N"))
@@ -22,7 +31,7 @@ network, and can be sent to others."""
 SPINS = ("singlet", "doublet", "triplet", "quartet", "quintet")
 
 
-def write(start, turned, ways):
+def write(start: Start, turned: Sequence[Torsion], ways: Sequence[str]) -> list[str]:
     """Writes the page and returns the names of its files. start: steps.Start; turned: the torsions that
     the grid's paths turn; ways: files of the probe's ways, the best first."""
     kept, run = start.folder, start.folder.run
@@ -44,7 +53,7 @@ def write(start, turned, ways):
             "index.html"]
 
 
-def pdb(rd, shapes):
+def pdb(rd: Chem.Mol, shapes: Sequence[Frame]) -> str:
     """The text of a PDB file of xyz.Frames, each a model, whose last atom is the probe. rd: RDKit's molecule without it."""
     rd, probe = Chem.RWMol(rd), Chem.Atom(0)
     probe.SetMonomerInfo(Chem.AtomPDBResidueInfo(" X  ", residueName="HIP", residueNumber=2, isHeteroAtom=True))
@@ -54,12 +63,12 @@ def pdb(rd, shapes):
     return Chem.MolToPDBBlock(rd, flavor=ALL_BONDS)
 
 
-def page(start, turned, ways, felt):
+def page(start: Start, turned: Sequence[Torsion], ways: Sequence[str], felt: list[str]) -> str:
     kept = start.folder
     name = kept.name()
     one = frames(kept.path("conformation.xyz"))[0]
     words = one.words
-    method = re.sub("gfn2|gfnff", lambda found: METHODS[found[0]], words.get("method", "own energies"))
+    method = re.sub("gfn2|gfnff", lambda found: METHODS[str(found[0])], words.get("method", "own energies"))
     box = json.loads(kept.run("stats", f"{name}.grid", "--format", "json").out)["box"]
     spins = start.molecule.unpaired
     facts = {"Formula": formula(start.molecule.formula), "Charge": signed(start.molecule.charge),
@@ -79,10 +88,10 @@ def page(start, turned, ways, felt):
         "FEEL": FEEL if felt else "", "GRID": html.escape(shlex.quote(f"{name}.grid")), "WAY": html.escape(shlex.quote(f"path:{ways[0]}")),
         "TOML": html.escape(f"{name}.toml"), "TABLE": barriers(kept), "METHOD": html.escape(method),
         "MOLECULE": json.dumps(molecule).replace("<", "\\u003c"), "VERIFY": html.escape(kept.read("verify.txt"))}
-    return re.sub("@([A-Z]+)@", lambda found: parts[found[1]], TEMPLATE)
+    return re.sub("@([A-Z]+)@", lambda found: parts[str(found[1])], TEMPLATE)
 
 
-def barriers(kept):
+def barriers(kept: Work) -> str:
     """Rows of a table: each path with its barrier and what lies behind it."""
     report = {row["name"]: row for row in files.rows(kept, "report.tsv", files.REPORT)}
     rows = []
@@ -96,12 +105,12 @@ def barriers(kept):
     return "\n".join(rows)
 
 
-def formula(text):
+def formula(text: str) -> str:
     """C4H10O with its numbers below the line; a charge above it."""
     return re.sub(r"(\d+)", r"<sub>\1</sub>", re.sub(r"(\d*[+-]+\d*)$", "", html.escape(text)))
 
 
-def library_version():
+def library_version() -> str:
     """Of the libxtb that computes here, by the file's name, since the library does not tell it."""
     with open("/proc/self/maps", encoding="utf-8") as file:
         found = re.search(r"/libxtb\.so\.([0-9.]+)", file.read())

@@ -1,20 +1,28 @@
 """The steps from a molecule's file to the page. Each is a function from the results of those before it to its own;
 what it computes is kept as files, which the user may change, so its result is what the files say."""
 
+from __future__ import annotations
+
 import itertools
 import os
 import time
 import timeit
+from argparse import Namespace
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import Failed, digest_of, read_bytes
 from hapgrid.apps.common.work import Work, about
 
 from . import files, geometry, grids, molecule, optimise, page, pushing, reading, rotors, singles, structures
 from .cli import GFN2_ATOMS
 from .molecule import signed
+from .results import Result
+from .torsions import Torsion
 from .xtb import BOHR, Surface, XtbError, load
 
 ENSEMBLE = 8  # frames of an ensemble between which paths are looked for
@@ -31,38 +39,38 @@ ALGEBRA = 0.09
 class Start:
     """The molecule that is felt, and what the steps have in common. options: of the command line; source: of the molecule, in
     words; search: whether conformers are searched; method: of xtb; turning: bonds (torsions.Torsion)."""
-    options: object
+    options: Namespace
     folder: Work
     molecule: molecule.Molecule
     source: str
     search: bool
     method: str
-    turning: list
+    turning: list[Torsion]
 
     @property
-    def words(self):
+    def words(self) -> str:
         return f"{self.method}-in-{self.options.solvent}" if self.options.solvent else self.method
 
-    def surface(self, x):
+    def surface(self, x: Array) -> Surface:
         """xtb's. x: the conformation, bohr."""
         return Surface(self.molecule.numbers, x, self.method, self.molecule.charge, self.tree, self.molecule.unpaired,
                        self.options.solvent)
 
     @cached_property
-    def tree(self):
+    def tree(self) -> geometry.Tree:
         return geometry.Tree(self.molecule.neighbours, self.molecule.numbers)
 
     @cached_property
-    def points(self):
+    def points(self) -> singles.SinglePoints | None:
         """The SinglePoints of --single-points, or None."""
         command = self.options.single_points
         return None if command is None else singles.SinglePoints(command, self.molecule, self.folder.kept)
 
-    def turned_by(self, paths):
+    def turned_by(self, paths: Sequence[str]) -> list[Torsion]:
         return [t for t in self.turning if {t.name, *t.file_names()} & set(paths)]
 
 
-def run(options):
+def run(options: Namespace) -> str:
     """Everything, or all until --until; the line for standard output."""
     load()  # before all else: where xtb is missing, that is one line
     start = read(options)
@@ -75,10 +83,10 @@ def run(options):
     return ""
 
 
-def read(o):
+def read(o: Namespace) -> Start:
     kept = Work("molecule", o.output, o.quiet)
 
-    def compute():
+    def compute() -> list[str]:
         one = reading.read(o.file, o.smiles, o.charge, o.uhf)
         for line in one.said:
             kept.say("  " + line)
@@ -105,7 +113,7 @@ def read(o):
     return Start(o, kept, one, source, o.search or one.built, method, turning)
 
 
-def find_structures(start):
+def find_structures(start: Start) -> Result:
     o, kept = start.options, start.folder
     frames = reading.ensemble(o.file) if o.basins else []  # between whose minima paths are looked for
     shapes = [(n, x) for n, x in frames if len(x) == len(start.molecule.numbers)]
@@ -113,7 +121,7 @@ def find_structures(start):
         kept.say(f"  {len(shapes)} frames: the {ENSEMBLE} lowest are taken")
     shapes = shapes[:ENSEMBLE]
 
-    def compute():
+    def compute() -> list[str]:
         if o.method == "auto":
             kept.say("  energies by " + ("GFN2-xTB" if start.method == "gfn2" else
                      f"GFN-FF, as for all above {GFN2_ATOMS} atoms (--method gfn2 is better, and slower)"))
@@ -130,17 +138,17 @@ def find_structures(start):
     return files.read_set(kept)
 
 
-def estimate(start):
+def estimate(start: Start) -> None:
     """Says how long the structures take, within a factor of 2 or so, from the CPU time of a gradient and of a step: what else
     the machine does is not known beforehand. Where xtb refuses the shape, the search itself says why."""
     o, x = start.options, start.molecule.positions / BOHR
     ways, soft = sum(len(t.signs) for t in start.turning), sum(not t.rotor for t in start.turning)
 
-    def takes(compute):
+    def takes(compute: Callable[[], Any]) -> float:
         return min(timeit.repeat(compute, timer=time.process_time, number=1, repeat=5))
     try:
         surface, shifts = start.surface(x), itertools.count(1)
-        gradient = takes(lambda: surface.energy(x + 0.005 * next(shifts) * np.eye(*x.shape)))
+        gradient = takes(lambda: surface.energy(x + 0.005 * next(shifts) * np.eye(len(x), 3)))
         step = takes(lambda: optimise.projected(np.eye(x.size), x))
     except XtbError:
         return
@@ -150,7 +158,7 @@ def estimate(start):
     start.folder.say(f"  {about(seconds, cores)} for conformation and barriers, more where a lower minimum is found")
 
 
-def show(start, shapes, paths):
+def show(start: Start, shapes: Result, paths: Sequence[str]) -> str:
     """The line that shows the grid."""
     o, kept = start.options, start.folder
     grid = f"{kept.name()}.grid"

@@ -4,18 +4,28 @@ What one process finds is kept as a file (search.Search); the results are taken 
 not depend on the number of processes.
 """
 
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING, TypeAlias
+
+from hapgrid.apps.common.arrays import Array
 
 from . import beyond, ensemble, rotors, torsions
-from .results import Dropped, Path, Point
+from .results import Dropped, Path, Point, Result
 from .search import Search
 from .xtb import BOHR
 
+if TYPE_CHECKING:
+    from .steps import Start
+
+Stationary: TypeAlias = tuple[str, float, Array]  # kind, energy and shape
 RESTARTS = 4
 LOWER = 0.5  # kJ/mol: a minimum that is lower by this is another one
 
 
-def explore(start, shapes):
+def explore(start: Start, shapes: Sequence[tuple[int, Array]]) -> Result:
     """The Result of a molecule. shapes: of an ensemble, as Search has them."""
     o, keep = start.options, not start.search
     what, method = ("following torsions from minimum to minimum", beyond.whole) if o.basins else (
@@ -45,19 +55,22 @@ def explore(start, shapes):
             return _turned(search, found)
         start.molecule.positions = lowest[2] * BOHR
         keep = True
+    raise AssertionError("the last start does not look for another")
 
 
-def _points(one):
+def _points(one: Path) -> list[Stationary]:
     """[(kind, energy, shape)] of all that is stationary on the way of a Path, behind its barrier as well."""
-    return one.points() or [("minimum", one.near.energy, one.near.x), ("saddle", one.energies[-1], one.nodes[-1]),
-                            ("minimum", one.far.energy, one.far.x)]
+    if one.goes_on or one.near is None or one.far is None:
+        return one.points()
+    return [("minimum", one.near.energy, one.near.x), ("saddle", one.energies[-1], one.nodes[-1]),
+            ("minimum", one.far.energy, one.far.x)]
 
 
-def _words(search, points):
+def _words(search: Search, points: Sequence[Stationary]) -> str:
     return ", ".join(f"{kind} {round(search.above(energy), 1) + 0:.1f}" for kind, energy, _ in points) + " kJ/mol"
 
 
-def _turned(search, found):
+def _turned(search: Search, found: Mapping[str, Path | Dropped]) -> Result:
     """The Result of {job: its Path or Dropped}, with each saddle once."""
     basins = search.start.options.basins
     ways = {job: one for job, one in found.items() if not isinstance(one, Dropped)}
@@ -66,7 +79,7 @@ def _turned(search, found):
     named, other = rotors.names(search.torsions, {
         job: rotors.candidate(search.torsions, search.jobs[job][0], way, free) for job, way in ways.items()},
         set(search.jobs), not basins)
-    paths = []
+    paths: list[Path] = []
     for one in (replace(ways[job], name=name) for job, name in named.items()):
         same = next((k.name for k in paths if not basins and search.same(k.nodes[-1], one.nodes[-1])), None)
         if one.why:
@@ -82,9 +95,10 @@ def _turned(search, found):
 
 # Paths between the minima of an ensemble
 
-def _minima(search):
+def _minima(search: Search) -> list[tuple[int, Point]]:
     """[(frame, minimum)] of the ensemble that are not the conformation, each once."""
-    out, say = [], search.say
+    say = search.say
+    out: list[tuple[int, Point]] = []
     each = search.each("relaxing the ensemble", ensemble.minimum, [x for _, x in search.shapes], Point)
     for (frame, _), (_, one) in zip(search.shapes, each):
         if isinstance(one, Dropped):
@@ -97,9 +111,11 @@ def _minima(search):
     return out
 
 
-def _ensemble(search, minima):
+def _ensemble(search: Search, minima: list[tuple[int, Point]]) -> Result:
     """The Result of paths to these minima. A path that turns one bond alone, and no ring, has its name."""
-    found, dropped, say = [], [], search.say
+    say = search.say
+    found: list[Path] = []
+    dropped: list[tuple[str, str]] = []
     ways = search.each("looking for paths between the minima", ensemble.way, [one for _, one in minima], Path)
     for (frame, one), (_, way) in zip(minima, list(ways)):
         name = f"to-{frame}"

@@ -1,6 +1,10 @@
 """The command line of `hapgrid table`."""
 
+from __future__ import annotations
+
 import argparse
+from argparse import Namespace
+from collections.abc import Sequence
 
 from hapgrid.apps.common.cli import EXIT_CODES, Parser, formatter, guarded, number
 
@@ -33,13 +37,13 @@ examples:
 """
 
 
-def unit(text):
+def unit(text: str) -> str:
     if len(text.encode()) > 15 or not text.isprintable() or '"' in text or "\\" in text:
         raise argparse.ArgumentTypeError("a unit has at most 15 bytes, no quotes and no backslash")
     return text
 
 
-def parser():
+def parser() -> Parser:
     p = Parser(prog="hapgrid table", description=ABOUT, epilog=AFTERWARDS, formatter_class=formatter,
                allow_abbrev=False, usage="hapgrid table FILE -o DIR [options]")
     p.add_argument("file", metavar="FILE", help="table: .map, .dx, .cube or .vti")
@@ -61,10 +65,10 @@ def parser():
     return p
 
 
-def run(options):
+def run(options: Namespace) -> str:
     from . import course  # wants numpy, and --help does not
     return course.run(options)
 
 
-def main(arguments):
+def main(arguments: Sequence[str]) -> int:
     return guarded("table", parser().parse_args, run, arguments)

@@ -1,18 +1,24 @@
 """The course of a table from its file to the page."""
 
+from __future__ import annotations
+
 import math
+from argparse import Namespace
+from collections.abc import Iterable
 
 import numpy as np
+from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import Failed, digest, pieces
 
 from . import page, readers
-from .work import course
+from .readers import Table
+from .work import Work, course
 
 MOST_POINTS = 2_200_000  # of a grid whose spacing nobody asked for: 130 along each side
 TICKS = 4000  # of the way there, and as many back: at 1 kHz a few seconds
 
 
-def run(o):
+def run(o: Namespace) -> str:
     """Everything; the line for standard output."""
     next(pieces(o.file), None)  # says why, where it cannot be read
     if o.factor == 0:
@@ -20,8 +26,8 @@ def run(o):
     return course("table", o, lambda work, name: _define(o, work, name), _page)
 
 
-def _define(o, work, name):
-    def compute():
+def _define(o: Namespace, work: Work, name: str) -> None:
+    def compute() -> list[str]:
         work.say(f"reading {o.file}")
         table = readers.read(o.file, o.array)
         if o.unit is not None:
@@ -39,9 +45,9 @@ def _define(o, work, name):
     work.step("definition", "", [], [digest(o.file), options], compute)
 
 
-def table_text(table):
+def table_text(table: Table) -> str:
     """The file that the plug-in reads (lattice.hpp says how)."""
-    def row(word, numbers):
+    def row(word: str, numbers: Iterable[float]) -> str:
         return word + "".join(f" {v:.10g}" for v in numbers) + "\n"
     lines = ["hapgrid-table\n", row("counts", table.values.shape), row("origin", table.origin)]
     lines += [row("axis", axis) for axis in table.axes]
@@ -53,7 +59,7 @@ def table_text(table):
     return "".join(lines)
 
 
-def wall_of(o, table):
+def wall_of(o: Namespace, table: Table) -> tuple[float | None, int]:
     """The energy of the wall, or None when none is needed; and how many values become one."""
     values = table.values[~np.isnan(table.values)] * o.factor
     missing = table.values.size - values.size
@@ -69,7 +75,7 @@ def wall_of(o, table):
     return wall, missing + int((values > wall).sum())
 
 
-def box_of(table, spacing):
+def box_of(table: Table, spacing: float | None) -> tuple[Array, float, list[int]]:
     """(origin, spacing, counts) of the grid. A table along the axes is the box, as far as whole cells go;
     around any other one the box is as large as it must be."""
     steps = np.linalg.norm(table.axes, axis=1)
@@ -82,7 +88,7 @@ def box_of(table, spacing):
     straight = (np.abs(table.axes) > 1e-6 * steps[:, None]).sum() == 3
     h = spacing or float(steps.min())
 
-    def counts(h):
+    def counts(h: float) -> list[int]:
         cells = (high - low) / h
         cells = np.floor(cells + 1e-6) if straight else np.ceil(cells - 1e-6)
         return [max(int(c), 1) + 1 for c in cells]
@@ -91,7 +97,7 @@ def box_of(table, spacing):
     return low, h, counts(h)
 
 
-def definition(o, work, name, table):
+def definition(o: Namespace, work: Work, name: str, table: Table) -> str:
     wall, behind = wall_of(o, table)
     low, h, counts = box_of(table, o.spacing)
     energy, length = table.energy_unit, table.length_unit
@@ -130,7 +136,7 @@ max_levels = 1            # a table has one energy at each place
 """
 
 
-def _page(work, name):
+def _page(work: Work, name: str) -> list[str]:
     values = page.Values(work, name)
     work.write("path.txt", page.way_text(page.way(values), values.length_unit, TICKS))
     return page.write(work, name, values)

@@ -1,16 +1,21 @@
 """Tables of energies in the formats of other programs. Each reader gives a Table, and refuses with one line
 what does not fit the file's own header."""
 
+from __future__ import annotations
+
 import base64
 import math
 import os
 import re
 import xml.etree.ElementTree as xml
 import zlib
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from hapgrid.apps.common import confined
+from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import Failed, read_bytes
 
 BOHR = 0.529177210903  # angstrom, CODATA 2018
@@ -26,50 +31,50 @@ Rb Sr Y Zr Nb Mo Tc Ru Rh Pd Ag Cd In Sn Sb Te I Xe""".split()
 class Table:
     """values: indexed [i, j, k] along the three axes, NaN where there is none. origin: of [0, 0, 0];
     axes: rows, from a point to the next one along each axis. atoms: (symbol, position)."""
-    values: np.ndarray
-    origin: np.ndarray
-    axes: np.ndarray
+    values: Array
+    origin: Array
+    axes: Array
     length_unit: str = "angstrom"
     energy_unit: str = ""
-    atoms: list = field(default_factory=list)
-    notes: list = field(default_factory=list)  # what a user may want to know of the file
+    atoms: list[tuple[str, Array]] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)  # what a user may want to know of the file
 
 
-def read(path, array=None):
+def read(path: str, array: str | None = None) -> Table:
     """array: name of the one that is wanted, of a .vti with several."""
     name = os.path.basename(path).lower()
     packed = name.endswith(".gz")
     kind = os.path.splitext(name[:-3] if packed else name)[1]
-    if kind not in READERS:
+    if kind not in (*READERS, ".vti"):
         raise Failed(f"{path}: only .map, .dx, .cube and .vti are known, and each with .gz behind it")
     data = read_bytes(path, MOST_BYTES)
 
-    def parsed():
+    def parsed() -> Table:
         content = inflated(data, 31) if packed else data
         return _checked(read_vti(content, array) if kind == ".vti" else READERS[kind](_text(content)))
     return behind_walls(path, parsed)
 
 
-def behind_walls(path, parsed):
+def behind_walls(path: str, parsed: Callable[[], Table]) -> Table:
     """The Table that parsed() makes of a file."""
-    def plain():
+    def plain() -> dict[str, Any]:
         try:
             table = parsed()
         except Failed as why:
             raise Failed(f"{path}: {why}") from None
         return {**vars(table), "atoms": [[symbol for symbol, _ in table.atoms], np.array([x for _, x in table.atoms]).reshape(-1, 3)]}
     table = Table(**confined.run(plain, path))
-    table.atoms = list(zip(*table.atoms))
+    table.atoms = [(symbol, x) for symbol, x in zip(*table.atoms)]
     return table
 
 
-def _text(data):
+def _text(data: bytes) -> str:
     if b"\0" in data:
         raise Failed("it is no text file")
     return data.decode("utf-8", "replace")
 
 
-def inflated(data, wbits, most=MOST_BYTES):
+def inflated(data: bytes, wbits: int, most: int = MOST_BYTES) -> bytes:
     try:
         unpacker = zlib.decompressobj(wbits)
         out = unpacker.decompress(data, most)
@@ -80,7 +85,7 @@ def inflated(data, wbits, most=MOST_BYTES):
         raise Failed("its compressed data are damaged") from None
 
 
-def _checked(table):
+def _checked(table: Table) -> Table:
     if min(table.values.shape) < 4:
         raise Failed(f"{' x '.join(map(str, table.values.shape))} values: at least 4 are needed along each axis")
     if not (np.abs([table.origin, *table.axes]) < MOST_LENGTH).all():
@@ -94,7 +99,7 @@ def _checked(table):
     return table
 
 
-def _numbers(text, count, what="values"):
+def _numbers(text: str, count: int, what: str = "values") -> Array:
     """All numbers of a text, which must be `count`."""
     words = text.split()
     if len(words) != count:
@@ -106,7 +111,7 @@ def _numbers(text, count, what="values"):
         raise Failed(f"'{wrong[:20]}' among the {what} is no number") from None
 
 
-def _is_number(word):
+def _is_number(word: str) -> bool:
     try:
         float(word)
         return True
@@ -114,7 +119,7 @@ def _is_number(word):
         return False
 
 
-def _count(words, what):
+def _count(words: Sequence[Any] | Array, what: str) -> tuple[list[int], int]:
     """Whole numbers of points, and their product."""
     try:
         counts = [int(w) for w in words]
@@ -127,14 +132,14 @@ def _count(words, what):
     return counts, math.prod(counts)
 
 
-def _many(n):
+def _many(n: int) -> str:
     return f"{n:,}" if n < 10**15 else "over 10^15"
 
 
 # AutoGrid
 
 
-def read_map(text):
+def read_map(text: str) -> Table:
     """Six lines of header, then a value a line, x fastest. NELEMENTS counts cells, not points."""
     lines = text.split("\n", 6)
     if len(lines) < 7:
@@ -157,7 +162,7 @@ def read_map(text):
 # OpenDX
 
 
-def read_dx(text):
+def read_dx(text: str) -> Table:
     """As APBS writes it: regular positions, then one array of numbers, z fastest."""
     lines = [line for line in text.splitlines() if not line.lstrip().startswith("#")]
     counts, origin, deltas, total = None, None, [], None
@@ -188,7 +193,7 @@ def read_dx(text):
 # Gaussian cube
 
 
-def read_cube(text):
+def read_cube(text: str) -> Table:
     """Two titles, atoms, values with z fastest. Lengths are in bohr; counts below zero say angstrom."""
     lines = text.split("\n", 6)
     if len(lines) < 7:
@@ -236,7 +241,7 @@ _TYPES = {"Int8": "i1", "UInt8": "u1", "Int16": "i2", "UInt16": "u2", "Int32": "
           "UInt64": "u8", "Float32": "f4", "Float64": "f8"}
 
 
-def read_vti(data, wanted=None):
+def read_vti(data: bytes, wanted: str | None = None) -> Table:
     """Image data of one piece with values at points: as text, base64 or raw bytes, perhaps with zlib."""
     tag = data.find(b"<AppendedData")
     appended, raw = re.compile(rb"\s*_").match(data, data.find(b">", tag) + 1) if tag > 0 else None, b""
@@ -273,7 +278,7 @@ def read_vti(data, wanted=None):
                  notes=[f"array {array.get('Name')}"])
 
 
-def _array_of(points, wanted):
+def _array_of(points: xml.Element | None, wanted: str | None) -> xml.Element:
     arrays = [] if points is None else points.findall("DataArray")
     names = [a.get("Name", "") for a in arrays]
     wanted = wanted or (points.get("Scalars") if points is not None else None) or (names[0] if names else None)
@@ -283,7 +288,7 @@ def _array_of(points, wanted):
     return arrays[names.index(wanted)]
 
 
-def _array(root, array, raw, total):
+def _array(root: xml.Element, array: xml.Element, raw: bytes, total: int) -> Array:
     kind, how = array.get("type"), array.get("format", "ascii")
     if kind not in _TYPES:
         raise Failed(f"values of the type {kind} are not known")
@@ -295,7 +300,7 @@ def _array(root, array, raw, total):
     if packed not in (None, "vtkZLibDataCompressor"):
         raise Failed(f"its compressor {packed} is not known: write it with zlib or without")
     if how == "binary":
-        stream = _Base64((array.text or "").encode("ascii", "replace"))
+        stream: _Raw = _Base64((array.text or "").encode("ascii", "replace"))
     elif how == "appended":
         offset = array.get("offset", "")
         part = raw[int(offset):] if offset.isdigit() else b""
@@ -313,23 +318,23 @@ def _array(root, array, raw, total):
 class _Raw:
     """A part of the file, read in pieces."""
 
-    def __init__(self, data):
+    def __init__(self, data: bytes) -> None:
         self.data = data
 
-    def take(self, size):
+    def take(self, size: int) -> bytes:
         out, self.data = self.data[:size], self.data[size:]
         if len(out) < size:
             raise Failed("it ends in the middle of its values")
         return out
 
-    def peek(self, size):
+    def peek(self, size: int) -> bytes:
         return type(self)(self.data).take(size)
 
 
 class _Base64(_Raw):
     """The same in base64. Each of VTK's pieces is encoded by itself."""
 
-    def take(self, size):
+    def take(self, size: int) -> bytes:
         text = self.data.lstrip()
         length = (size + 2) // 3 * 4
         self.data = text[length:]
@@ -342,7 +347,7 @@ class _Base64(_Raw):
         return out[:size]
 
 
-def _plain(stream, head, most):
+def _plain(stream: _Raw, head: np.dtype[Any], most: int) -> bytes:
     # In base64 the header and the values are one piece.
     size = int(np.frombuffer(stream.peek(head.itemsize), head)[0])
     if size > most:
@@ -350,7 +355,7 @@ def _plain(stream, head, most):
     return stream.take(head.itemsize + size)[head.itemsize:]
 
 
-def _blocks(stream, head, most):
+def _blocks(stream: _Raw, head: np.dtype[Any], most: int) -> bytes:
     # The header: number of blocks, size of each and of the last one, then the size of each when packed.
     count, size, last = (int(n) for n in np.frombuffer(stream.peek(3 * head.itemsize), head))
     if count > most or count * size > most + size:
@@ -364,4 +369,4 @@ def _blocks(stream, head, most):
     return b"".join(out)
 
 
-READERS = {".map": read_map, ".dx": read_dx, ".cube": read_cube, ".vti": None}
+READERS: dict[str, Callable[[str], Table]] = {".map": read_map, ".dx": read_dx, ".cube": read_cube}
