@@ -37,7 +37,7 @@ UNFINISHED = re.compile(r"\.(choice|room|way-|single-|records\.|hapgrid\.).*|.*\
 MOST_KEPT = 64 << 20  # bytes of a file of .work
 
 
-class Kept:
+class Cache:
     """Results that are kept as JSON files, by their names."""
 
     def __init__(self, directory: str) -> None:
@@ -74,7 +74,7 @@ class Work:
         self.filters = os.environ.get("HAPGRID_BIN") or FILTERS
         self.started = time.monotonic()
         self.line = False
-        self.kept = Kept(self.path(".work"))  # the one cache
+        self.cache = Cache(self.path(".work"))  # the one cache
         self._lock: int | None = None
         if os.path.isdir(directory):
             self.enter()
@@ -93,7 +93,7 @@ class Work:
             fcntl.flock(self._lock, fcntl.LOCK_EX)
         except OSError as e:  # a file system without locks
             self.say(f"{self.directory} cannot be locked ({e.strerror}): let one run at a time work there")
-        for directory in (self.directory, self.kept.directory):
+        for directory in (self.directory, self.cache.directory):
             for one in os.scandir(directory) if os.path.isdir(directory) else ():
                 if one.is_symlink():
                     raise Failed(f"{one.path}: is a link, which a folder of results must not have: remove it")
@@ -102,12 +102,12 @@ class Work:
 
     def name(self) -> str:
         """Of the grid and its definition: that of the folder when it was new, whatever it is called since."""
-        kept = self.kept.get("name")
+        kept = self.cache.get("name")
         if not files.is_plain(kept):
             kept = os.path.basename(os.path.realpath(self.directory))
             kept = kept if files.is_plain(kept) else self.command
             if os.path.isdir(self.directory):
-                self.kept.put("name", kept)
+                self.cache.put("name", kept)
         return kept
 
     # Files
@@ -182,16 +182,16 @@ class Work:
 
     def recall(self, name: str, key: Any) -> Any:
         """What was remembered for this key, or None."""
-        kept = self.kept.get(name)
+        kept = self.cache.get(name)
         sound = isinstance(kept, dict) and kept.get("key") == [self.version, key] and "value" in kept
         return kept["value"] if sound else None
 
     def remember(self, name: str, key: Any, value: Any) -> None:
-        self.kept.put(name, {"key": [self.version, key], "value": value})
+        self.cache.put(name, {"key": [self.version, key], "value": value})
 
     def _record(self, step: str) -> tuple[str | None, dict[str, Any]]:
         """(key, {file that was made: its digest})"""
-        kept = self.kept.get("stage-" + step)
+        kept = self.cache.get("stage-" + step)
         key, made = (kept.get("key"), kept.get("made")) if isinstance(kept, dict) else (None, None)
         if not isinstance(made, dict) or not all(map(files.is_plain, made)):
             return None, {}
@@ -215,7 +215,7 @@ class Work:
         names = compute()
         if not isinstance(names, list):
             return names
-        self.kept.put("stage-" + step, {"key": key, "made": {name: self.digest(name) for name in names}})
+        self.cache.put("stage-" + step, {"key": key, "made": {name: self.digest(name) for name in names}})
         return None
 
     def made(self, step: str) -> list[str]:

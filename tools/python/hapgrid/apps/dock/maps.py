@@ -7,11 +7,11 @@ import tempfile
 from typing import TypeAlias
 
 import numpy as np
-from hapgrid.apps.common import confined
+from hapgrid.apps.common import sandbox
 from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import Failed, read_bytes, read_text, write_whole
 from hapgrid.apps.common.work import Work
-from hapgrid.apps.table import course, readers
+from hapgrid.apps.table import readers, steps
 from hapgrid.apps.table.readers import Table
 
 from . import pqr
@@ -57,7 +57,7 @@ def _converted(given: str, data: bytes, kind: str, name: str) -> str:
     """What Open Babel makes of a file's content."""
     charges = [] if kind == ".mol2" else ["--partialcharge", "gasteiger"]
     rigid = ["-xr"] if name == "host" else []
-    ran = confined.program(["obabel", f"-i{kind[1:]}", "-opdbqt", *rigid, *charges], given, "openbabel", data)
+    ran = sandbox.program(["obabel", f"-i{kind[1:]}", "-opdbqt", *rigid, *charges], given, "openbabel", data)
     if ran.code != 0:
         raise Failed(f"{given}: {ran.fault('obabel')}")
     return ran.out
@@ -141,8 +141,8 @@ def compute(work: Work, host: Atoms, ligand: Atoms, low: Array, high: Array, spa
         atoms = "".join(line[:79] + "\n" for line in work.read("host.pdbqt").splitlines() if line.startswith(("ATOM", "HETATM")))
         write_whole(os.path.join(room, "host.pdbqt"), atoms)
         write_whole(os.path.join(room, "host.gpf"), work.read("host.gpf"))
-        ran = confined.program(["autogrid4", "-p", "host.gpf", "-l", "host.glg"], "host.pdbqt",
-                               "autogrid, or give --atoms, for a small host", folder=room, cpu_seconds=MOST_AUTOGRID)
+        ran = sandbox.program(["autogrid4", "-p", "host.gpf", "-l", "host.glg"], "host.pdbqt",
+                              "autogrid, or give --atoms, for a small host", folder=room, cpu_seconds=MOST_AUTOGRID)
         texts = {name: read_text(os.path.join(room, name)) for name in made if os.path.lexists(os.path.join(room, name))}
     wrong = [line.strip() for line in texts.get("host.glg", "").splitlines() if "ERROR" in line]
     if ran.code != 0 or len(texts) < len(made):
@@ -157,5 +157,5 @@ def write(work: Work, names: list[str], tables: list[Table], host: Atoms, low: A
     tables[0].atoms = [(kind, place) for kind, place, _ in host if (place > low - 4).all() and (place < high + 4).all()]
     files = [f"host.{name}.table" for name in names]
     for file, table in zip(files, tables):
-        work.write(file, course.table_text(table))
+        work.write(file, steps.table_text(table))
     return files

@@ -119,7 +119,7 @@ def legs(search: Search, a: Point, b: Point, left: int = MOST_LEGS) -> list[Ends
     return out
 
 
-def way(search: Search, b: Point) -> Path:
+def path_to(search: Search, b: Point) -> Path:
     """The Path from the conformation to minimum b."""
     out, at, apart = Path([search.x], [search.energy]), search.rest, None
     for ends in legs(search, at, b):

@@ -19,7 +19,7 @@ from hapgrid.apps.common.cli import BreaksRule
 from hapgrid.apps.common.files import Failed
 from hapgrid.apps.common.work import Work, about, duration
 
-from . import choice, resolution, stiffness, xyz
+from . import path_selection, resolution, stiffness, xyz
 from .definition import MAX_LEVELS, PENALTY, Definition, paths_of
 from .results import Result
 from .xtb import BOHR, HARTREE
@@ -60,11 +60,11 @@ class Remedies:
         return max(self.sides) < MOST_ROOM
 
     @classmethod
-    def of(cls, kept: Any) -> Remedies:
-        """Those that asdict() gave, or none where `kept` is something else: it may come from a stranger."""
+    def of(cls, stored: Any) -> Remedies:
+        """Those that asdict() gave, or none where `stored` is something else: it may come from a stranger."""
         try:
-            one = cls({str(k): str(why) for k, why in kept["unwanted"].items()}, int(kept["softer"]),
-                      tuple(map(float, kept["sides"])))
+            one = cls({str(k): str(why) for k, why in stored["unwanted"].items()}, int(stored["softer"]),
+                      tuple(map(float, stored["sides"])))
         except (TypeError, ValueError, KeyError, AttributeError, OverflowError):
             return cls()
         return one if len(one.sides) == 6 and all(0 <= v < 100 for v in one.sides) and 0 < one.softer < 1 << 20 else cls()
@@ -73,16 +73,16 @@ class Remedies:
 def make_grid(start: Start, shapes: Result) -> Definition:
     """The Definition of the grid that has no fault, after as many as that takes. With --until definition its grid is not
     there yet."""
-    kept = start.folder
-    name = kept.name()
+    folder = start.folder
+    name = folder.name()
     toml = f"{name}.toml"
-    by_hand = kept.changed_by_hand(toml)
+    by_hand = folder.changed_by_hand(toml)
     if by_hand:
-        kept.say(f"{toml} was changed by hand: it is kept")
-    key = [kept.digest("report.tsv"), start.options.paths, start.options.basins, start.options.spacing]
-    remedies = Remedies.of(kept.recall("remedies", key))
+        folder.say(f"{toml} was changed by hand: it is kept")
+    key = [folder.digest("report.tsv"), start.options.paths, start.options.basins, start.options.spacing]
+    remedies = Remedies.of(folder.recall("remedies", key))
     while True:
-        one, fault = (Definition(name, paths_of(kept.path(toml))), None) if by_hand else planned(start, shapes, remedies)
+        one, fault = (Definition(name, paths_of(folder.path(toml))), None) if by_hand else planned(start, shapes, remedies)
         if fault is None and start.options.until is None:
             # Where a coarse grid told the spacing it told the room, too.
             fault = grid_fault(start, one, start.options.spacing and remedies.may_widen and not by_hand)
@@ -92,8 +92,8 @@ def make_grid(start: Start, shapes: Result) -> Definition:
         if cured is None:
             raise (BreaksRule if fault.kind == RULE else Failed)(fault.text)
         remedies, words = cured
-        kept.remember("remedies", key, asdict(remedies))
-        kept.say("  " + words)
+        folder.remember("remedies", key, asdict(remedies))
+        folder.say("  " + words)
 
 
 def cure(remedies: Remedies, fault: Fault, definition: Definition) -> tuple[Remedies, str] | None:
@@ -113,8 +113,8 @@ def cure(remedies: Remedies, fault: Fault, definition: Definition) -> tuple[Reme
 
 def planned(start: Start, shapes: Result, remedies: Remedies) -> tuple[Definition, Fault | None]:
     """(the Definition of the grid, the Fault of its coarse grid or None)."""
-    o, kept = start.options, start.folder
-    paths = choice.choose(start, shapes, remedies.unwanted)
+    o, folder = start.options, start.folder
+    paths = path_selection.choose(start, shapes, remedies.unwanted)
     one = Definition.around(start.molecule, shapes, paths, o.basins, o.spacing or 0.0, remedies.sides)
     one.torsions = start.turned_by(paths)
     one.stiffness = stiffness_of(start, shapes, paths, remedies.softer)
@@ -125,66 +125,66 @@ def planned(start: Start, shapes: Result, remedies: Remedies) -> tuple[Definitio
     text = one.text()
 
     def compute() -> list[str]:
-        kept.write(f"{kept.name()}.toml", text)
-        return [f"{kept.name()}.toml"]
-    kept.step("definition", f"writing {kept.name()}.toml", [], [text, kept.name()], compute)
+        folder.write(f"{folder.name()}.toml", text)
+        return [f"{folder.name()}.toml"]
+    folder.step("definition", f"writing {folder.name()}.toml", [], [text, folder.name()], compute)
     return one, None
 
 
 def stiffness_of(start: Start, shapes: Result, paths: Sequence[str], softer: int) -> stiffness.Stiffness:
-    kept = start.folder
+    folder = start.folder
     if not paths or start.options.basins:
         return stiffness.Stiffness()
 
     def compute() -> tuple[float, ...]:
-        kept.say("computing how stiff the torsions are")
+        folder.say("computing how stiff the torsions are")
         surface = start.surface(shapes.x)
         tangents = [stiffness.tangent(surface.tree, [node * BOHR for node in f.nodes], f.start, surface.masses)
                     for f in shapes.found if f.name in paths]
         hessian = surface.hessian(shapes.x) * HARTREE / BOHR**2
         return astuple(stiffness.rule(hessian, shapes.x * BOHR, surface.masses, tangents, PENALTY).rounded())
-    digests = [kept.digest(name) for name in ("conformation.xyz", *(name + ".xyz" for name in paths))]
-    key = ["stiffness", kept.version, start.words, start.molecule.charge, start.molecule.unpaired, digests]
-    return kept.kept.take(key, compute, lambda values: stiffness.Stiffness(*map(xyz.finite, values))).softer(softer)
+    digests = [folder.digest(name) for name in ("conformation.xyz", *(name + ".xyz" for name in paths))]
+    key = ["stiffness", folder.version, start.words, start.molecule.charge, start.molecule.unpaired, digests]
+    return folder.cache.take(key, compute, lambda values: stiffness.Stiffness(*map(xyz.finite, values))).softer(softer)
 
 
 def resolved(start: Start, shapes: Result, coarse: Definition, may_widen: bool) -> tuple[Definition, Fault | None]:
     """(the Definition with the spacing that a coarse grid tells, the Fault of the coarse grid or None)."""
-    kept, threads = start.folder, start.options.threads
+    folder, threads = start.folder, start.options.threads
     text = coarse.text()
 
     def compute() -> list[str] | Fault:
-        kept.write("coarse.toml", text)
+        folder.write("coarse.toml", text)
         what = f"computing a coarse grid, {coarse.spacing:g} Å, from which the box and the spacing follow"
         fault = computed(start, what, "coarse", None, may_widen)
         if fault is not None:
             return fault
-        kept.write("coarse.json", resolution.measure(start, "coarse.grid"))
+        folder.write("coarse.json", resolution.measure(start, "coarse.grid"))
         return ["coarse.toml", "coarse.grid", "coarse.grid.cost", "coarse.json"]
-    fault = kept.step("resolution", "", shapes.files(), [text, resolution.WANTED], compute)
+    fault = folder.step("resolution", "", shapes.files(), [text, resolution.WANTED], compute)
     if fault is not None:
         return coarse, fault
-    spacing = resolution.decide(kept.read("coarse.json"), coarse)
-    seconds = resolution.scaled(grid.cpu_seconds(kept, "coarse.grid") / threads, coarse.spacing, spacing)
+    spacing = resolution.decide(folder.read("coarse.json"), coarse)
+    seconds = resolution.scaled(grid.cpu_seconds(folder, "coarse.grid") / threads, coarse.spacing, spacing)
     one = replace(coarse, spacing=spacing, seconds=seconds)
-    kept.say(f"  spacing {spacing:g} Å, {math.prod(one.counts())} points, {about(seconds, threads)}")
+    folder.say(f"  spacing {spacing:g} Å, {math.prod(one.counts())} points, {about(seconds, threads)}")
     if seconds > LONG:
         coarser = resolution.coarser(spacing)
         points = math.prod(replace(coarse, spacing=coarser).counts())
-        kept.say(f"  where that is too long: --spacing {coarser:g} has {points} points and takes about "
-                 f"{duration(resolution.scaled(seconds, spacing, coarser))}, but its shapes are farther off")
+        folder.say(f"  where that is too long: --spacing {coarser:g} has {points} points and takes about "
+                   f"{duration(resolution.scaled(seconds, spacing, coarser))}, but its shapes are farther off")
     return one, None
 
 
 def computed(start: Start, what: str, name: str, seconds: float | None, look_for_room: bool) -> Fault | None:
     """Computes a grid; its Fault, or None. seconds: that it takes, where they are known."""
-    kept, threads = start.folder, start.options.threads
-    seconds = seconds or grid.estimated(kept, f"{name}.toml", threads)
-    kept.say(what + (", " + about(seconds, threads) if seconds else ""))
-    failed = grid.compute(kept, what, f"{name}.toml", f"{name}.grid", threads, seconds)
+    folder, threads = start.folder, start.options.threads
+    seconds = seconds or grid.estimated(folder, f"{name}.toml", threads)
+    folder.say(what + (", " + about(seconds, threads) if seconds else ""))
+    failed = grid.compute(folder, what, f"{name}.toml", f"{name}.grid", threads, seconds)
     if failed is not None:
         return Fault(*failed)
-    return short_of_room(kept, f"{name}.grid") if look_for_room else None
+    return short_of_room(folder, f"{name}.grid") if look_for_room else None
 
 
 def short_of_room(folder: Work, made: str) -> Fault | None:
@@ -206,20 +206,20 @@ def short_of_room(folder: Work, made: str) -> Fault | None:
 
 def grid_fault(start: Start, definition: Definition, look_for_room: bool) -> Fault | None:
     """Computes and verifies the grid; its Fault, or None."""
-    o, kept = start.options, start.folder
-    name = kept.name()
+    o, folder = start.options, start.folder
+    name = folder.name()
     toml, made = f"{name}.toml", f"{name}.grid"
 
     def compute() -> list[str] | Fault:
         what = f"computing {made}, how the molecule yields at each place of the probe"
         return computed(start, what, name, definition.seconds, look_for_room) or [made, f"{made}.cost"]
-    fault = kept.step("grid", "", [toml, "conformation.xyz", *(path + ".xyz" for path in definition.paths)], [], compute)
+    fault = folder.step("grid", "", [toml, "conformation.xyz", *(path + ".xyz" for path in definition.paths)], [], compute)
     if fault is not None:
         return fault
     title = "checking that the grid is whole and that its states are the model's"
 
     def verify() -> list[str] | Fault:
-        seconds = VERIFY_SHARE * grid.cpu_seconds(kept, made) / o.threads
-        fine = grid.verify(kept, title, made, o.threads, seconds)
-        return ["verify.txt"] if fine else Fault(RULE, f"{made} breaks a rule: see {kept.path('verify.txt')}")
-    return kept.step("verify", title, [made], [], verify)
+        seconds = VERIFY_SHARE * grid.cpu_seconds(folder, made) / o.threads
+        fine = grid.verify(folder, title, made, o.threads, seconds)
+        return ["verify.txt"] if fine else Fault(RULE, f"{made} breaks a rule: see {folder.path('verify.txt')}")
+    return folder.step("verify", title, [made], [], verify)

@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from hapgrid.apps.common import confined
+from hapgrid.apps.common import sandbox
 from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import read_bytes
 from rdkit import Chem
@@ -39,7 +39,7 @@ def read(path: str | None, smiles: str | None, charge: int | None = None, unpair
     def work() -> dict[str, Any]:
         given = formats.smiles(smiles or "") if path is None else formats.read(formats.decoded(content, path), path, kind)
         return _one(given, charge, unpaired)
-    one = Molecule(what, **confined.run(work, what, ADVICE))
+    one = Molecule(what, **sandbox.run(work, what, ADVICE))
     electrons = sum(one.numbers) - one.charge
     if electrons < max(1, one.unpaired) or (electrons - one.unpaired) % 2:
         raise BadInput(f"{what}: {electrons} electrons with charge {signed(one.charge)} do not go with {one.unpaired} unpaired ones: "
@@ -64,7 +64,7 @@ def started(path: str) -> Molecule:
         mol = formats.read(text, path, "sdf").records[0].mol
         _check(places_of(mol), path)
         return [_plain(mol), dict(word.split("=", 1) for word in text.split("\n", 1)[0].split() if "=" in word)]
-    plain, words = confined.run(work, path, ADVICE)
+    plain, words = sandbox.run(work, path, ADVICE)
     try:
         charge, unpaired = int(words.get("charge", sum(plain["charges"]))), int(words.get("unpaired", 0))
     except ValueError:
@@ -83,7 +83,7 @@ def ensemble(path: str | None) -> list[tuple[int, Array]]:
     def work() -> list[tuple[int, Any]]:
         frames = xyz.frames_of(formats.decoded(content, what), what)
         return [(k + 1, frames[k].x.tolist()) for k in formats.lowest_first(frames)[0]]
-    return [(number, np.array(x)) for number, x in confined.run(work, path, ADVICE)]
+    return [(number, np.array(x)) for number, x in sandbox.run(work, path, ADVICE)]
 
 
 def _one(given: Input, charge: int | None, unpaired: int | None) -> dict[str, Any]:

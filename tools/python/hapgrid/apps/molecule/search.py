@@ -37,7 +37,7 @@ def _ask(question: tuple[Callable[[Any, Any], Any], type | None, Any]) -> Any:
     if kind is None:
         return compute()
     inputs = [method.__name__, plain(value), _search.x.tolist(), _search.start.options.highest]
-    return _search.kept([kind, Dropped], inputs, compute)
+    return _search.cached([kind, Dropped], inputs, compute)
 
 
 class Search:
@@ -76,12 +76,12 @@ class Search:
         return Result(self.molecule.numbers, self.surface.masses, self.start.words, self.driven, self.x, self.energy,
                       self.rest.nu1, found, [(name, why) for name, why in dropped if name not in have])
 
-    def kept(self, types: Sequence[type], inputs: Sequence[Any], compute: Callable[[], Any]) -> Any:
+    def cached(self, types: Sequence[type], inputs: Sequence[Any], compute: Callable[[], Any]) -> Any:
         """The result of compute(), of one of these types, which is computed once. inputs: the step's name, and what it
         depends on besides the molecule."""
         one, folder = self.molecule, self.start.folder
         key = [folder.version, one.numbers, self.start.words, one.charge, one.unpaired, *inputs]
-        return folder.kept.take(key, lambda: plain(compute()), lambda value: restored(types, value, len(one.numbers)))
+        return folder.cache.take(key, lambda: plain(compute()), lambda value: restored(types, value, len(one.numbers)))
 
     # The conformation
 
@@ -89,14 +89,14 @@ class Search:
         """Sets rest, its x and energy, and the surface. keep: relax the molecule's shape to the nearest minimum instead of
         looking for the lowest one."""
         shapes = [] if self.start.options.keep_conformation else [x for _, x in self.shapes]
-        near = self.kept([Point], ["conformer", self.molecule.positions.tolist(), keep, plain(shapes)],
-                         lambda: self._conformer(keep, shapes))
+        near = self.cached([Point], ["conformer", self.molecule.positions.tolist(), keep, plain(shapes)],
+                           lambda: self._conformer(keep, shapes))
         # GFN-FF must read its bonds off a shape like the conformation, not off the shape from which it was found: then
         # one run of xtb on the conformation's file gives the same energy in most cases. Not in all: at an amine's nitrogen
         # GFN-FF's terms depend on which of three bonds is the shortest, and that may change from each minimum to the next.
         # So the surface on which this is a minimum remains that of the search.
         self.surface = self.start.surface(near.x)
-        self.rest = self.kept([Point], ["conformation", near.x.tolist()], lambda: self._conformation(near.x))
+        self.rest = self.cached([Point], ["conformation", near.x.tolist()], lambda: self._conformation(near.x))
         self.x, self.energy = self.rest.x, self.rest.energy
 
     def _conformation(self, x: Array) -> Point:

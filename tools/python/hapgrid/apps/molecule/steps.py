@@ -18,7 +18,7 @@ from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import Failed, digest_of, read_bytes
 from hapgrid.apps.common.work import Work, about
 
-from . import files, geometry, grids, molecule, optimise, page, pushing, reading, rotors, singles, structures
+from . import files, geometry, grids, molecule, optimise, page, probe_lines, reading, rotors, single_points, structures
 from .cli import GFN2_ATOMS
 from .molecule import signed
 from .results import Result
@@ -61,10 +61,10 @@ class Start:
         return geometry.Tree(self.molecule.neighbours, self.molecule.numbers)
 
     @cached_property
-    def points(self) -> singles.SinglePoints | None:
+    def points(self) -> single_points.SinglePoints | None:
         """The SinglePoints of --single-points, or None."""
         command = self.options.single_points
-        return None if command is None else singles.SinglePoints(command, self.molecule, self.folder.kept)
+        return None if command is None else single_points.SinglePoints(command, self.molecule, self.folder.cache)
 
     def turned_by(self, paths: Sequence[str]) -> list[Torsion]:
         return [t for t in self.turning if {t.name, *t.file_names()} & set(paths)]
@@ -84,18 +84,18 @@ def run(options: Namespace) -> str:
 
 
 def read(o: Namespace) -> Start:
-    kept = Work("molecule", o.output, o.quiet)
+    folder = Work("molecule", o.output, o.quiet)
 
     def compute() -> list[str]:
         one = reading.read(o.file, o.smiles, o.charge, o.uhf)
         for line in one.said:
-            kept.say("  " + line)
-        kept.enter()
-        kept.write("start.sdf", reading.sdf(one))
+            folder.say("  " + line)
+        folder.enter()
+        folder.write("start.sdf", reading.sdf(one))
         return ["start.sdf"]
     text = digest_of(read_bytes(o.file, molecule.MOST_BYTES)) if o.file else o.smiles
-    kept.step("molecule", "", [], [text, o.charge, o.uhf], compute)
-    one, method = reading.started(kept.path("start.sdf")), o.method
+    folder.step("molecule", "", [], [text, o.charge, o.uhf], compute)
+    one, method = reading.started(folder.path("start.sdf")), o.method
     if method == "auto":
         method = "gfn2" if len(one.numbers) <= GFN2_ATOMS else "gfnff"
     turning, rings = rotors.find(one), len(one.rings())
@@ -107,35 +107,35 @@ def read(o: Namespace) -> Start:
         turning = [t if t.name in wanted else replace(t, signs=tuple(s for s in t.signs if t.file_name(s) in wanted))
                    for t in turning]
         turning = [t for t in turning if t.signs]
-    kept.say(f"  {one.formula}, {len(one.numbers)} atoms, charge {signed(one.charge)}, {len(turning)} bonds turn"
-             + (f"; {rings} rings stay as they are" if rings else ""))
+    folder.say(f"  {one.formula}, {len(one.numbers)} atoms, charge {signed(one.charge)}, {len(turning)} bonds turn"
+               + (f"; {rings} rings stay as they are" if rings else ""))
     source = os.path.basename(o.file) if o.file else f"SMILES {o.smiles}"
-    return Start(o, kept, one, source, o.search or one.built, method, turning)
+    return Start(o, folder, one, source, o.search or one.built, method, turning)
 
 
 def find_structures(start: Start) -> Result:
-    o, kept = start.options, start.folder
+    o, folder = start.options, start.folder
     frames = reading.ensemble(o.file) if o.basins else []  # between whose minima paths are looked for
     shapes = [(n, x) for n, x in frames if len(x) == len(start.molecule.numbers)]
     if len(shapes) > ENSEMBLE:
-        kept.say(f"  {len(shapes)} frames: the {ENSEMBLE} lowest are taken")
+        folder.say(f"  {len(shapes)} frames: the {ENSEMBLE} lowest are taken")
     shapes = shapes[:ENSEMBLE]
 
     def compute() -> list[str]:
         if o.method == "auto":
-            kept.say("  energies by " + ("GFN2-xTB" if start.method == "gfn2" else
-                     f"GFN-FF, as for all above {GFN2_ATOMS} atoms (--method gfn2 is better, and slower)"))
+            folder.say("  energies by " + ("GFN2-xTB" if start.method == "gfn2" else
+                                           f"GFN-FF, as for all above {GFN2_ATOMS} atoms (--method gfn2 is better, and slower)"))
         estimate(start)
         one = structures.explore(start, shapes)
         if start.points:
-            start.points.put_into(one, o.threads, kept)
-        return files.write_set(kept, one, f"hapgrid molecule: {start.source}, {start.method}, "
+            start.points.put_into(one, o.threads, folder)
+        return files.write_set(folder, one, f"hapgrid molecule: {start.source}, {start.method}, "
                                f"charge {signed(start.molecule.charge)}, {start.molecule.unpaired} unpaired electrons")
-    kept.step("structures", "looking for the conformation and the barriers around it", ["start.sdf"],
-              [start.method, o.solvent, start.points and start.points.key, start.molecule.charge, start.molecule.unpaired,
-               start.search, o.highest, o.basins, o.keep_conformation, [name for t in start.turning for name in t.file_names()],
-               [x.tolist() for _, x in shapes]], compute)
-    return files.read_set(kept)
+    folder.step("structures", "looking for the conformation and the barriers around it", ["start.sdf"],
+                [start.method, o.solvent, start.points and start.points.key, start.molecule.charge, start.molecule.unpaired,
+                 start.search, o.highest, o.basins, o.keep_conformation, [name for t in start.turning for name in t.file_names()],
+                 [x.tolist() for _, x in shapes]], compute)
+    return files.read_set(folder)
 
 
 def estimate(start: Start) -> None:
@@ -160,17 +160,17 @@ def estimate(start: Start) -> None:
 
 def show(start: Start, shapes: Result, paths: Sequence[str]) -> str:
     """The line that shows the grid."""
-    o, kept = start.options, start.folder
-    grid = f"{kept.name()}.grid"
-    kept.step("pushing", "looking for the probe's ways that turn the molecule", [grid], [],
-              lambda: pushing.write(kept, grid, shapes, o.threads))
-    made = [n for n in kept.made("pushing") if n.endswith(".txt")]
+    o, folder = start.options, start.folder
+    grid = f"{folder.name()}.grid"
+    folder.step("pushing", "looking for the probe's ways that turn the molecule", [grid], [],
+                lambda: probe_lines.write(folder, grid, shapes, o.threads))
+    made = [n for n in folder.made("pushing") if n.endswith(".txt")]
     if not made:
-        raise Failed(f"{kept.path(grid)}: no way of the probe is found that pushes the molecule; hapgrid feel shows the grid")
+        raise Failed(f"{folder.path(grid)}: no way of the probe is found that pushes the molecule; hapgrid feel shows the grid")
     facts = [start.source, start.molecule.charge, start.molecule.unpaired, start.method]
-    kept.step("page", "writing the page", [grid, *made, "rotors.tsv", "report.tsv", "verify.txt"], facts,
+    folder.step("page", "writing the page", [grid, *made, "rotors.tsv", "report.tsv", "verify.txt"], facts,
               lambda: page.write(start, start.turned_by(paths), made))
-    kept.say(f"done: {kept.in_shell('index.html')} sums up")
-    grid, way = kept.in_shell(grid), kept.in_shell(made[0])
-    kept.say(f"{kept.in_shell('feel.html')} is a page in which the mouse is the hand; so is hapgrid feel {grid}")
+    folder.say(f"done: {folder.in_shell('index.html')} sums up")
+    grid, way = folder.in_shell(grid), folder.in_shell(made[0])
+    folder.say(f"{folder.in_shell('feel.html')} is a page in which the mouse is the hand; so is hapgrid feel {grid}")
     return f"hapgrid play {grid} --device path:{way} --rate 1000 --frames - | hapgrid view --web"

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from hapgrid.apps.common.arrays import Array
 
-from . import beyond, ensemble, rotors, torsions
+from . import torsion_paths, ensemble, rotors, torsions
 from .results import Dropped, Path, Point, Result
 from .search import Search
 from .xtb import BOHR
@@ -28,7 +28,7 @@ LOWER = 0.5  # kJ/mol: a minimum that is lower by this is another one
 def explore(start: Start, shapes: Sequence[tuple[int, Array]]) -> Result:
     """The Result of a molecule. shapes: of an ensemble, as Search has them."""
     o, keep = start.options, not start.search
-    what, method = ("following torsions from minimum to minimum", beyond.whole) if o.basins else (
+    what, method = ("following torsions from minimum to minimum", torsion_paths.whole) if o.basins else (
         "driving torsions to their barriers", Search.to_barrier)
     for left in reversed(range(1 if o.keep_conformation else RESTARTS + 1)):
         search, found = Search(start, shapes), {}
@@ -116,7 +116,7 @@ def _ensemble(search: Search, minima: list[tuple[int, Point]]) -> Result:
     say = search.say
     found: list[Path] = []
     dropped: list[tuple[str, str]] = []
-    ways = search.each("looking for paths between the minima", ensemble.way, [one for _, one in minima], Path)
+    ways = search.each("looking for paths between the minima", ensemble.path_to, [one for _, one in minima], Path)
     for (frame, one), (_, way) in zip(minima, list(ways)):
         name = f"to-{frame}"
         passed = next((f.name for f in found for k in f.minima() if search.same(f.nodes[k], one.x)), None)

@@ -66,8 +66,8 @@ def parser() -> Parser:
 
 
 def run(options: Namespace) -> str:
-    from . import course  # wants numpy, and --help does not
-    return course.run(options)
+    from . import steps  # wants numpy, and --help does not
+    return steps.run(options)
 
 
 def main(arguments: Sequence[str]) -> int:

@@ -60,7 +60,7 @@ class Values:
         return self.origin + np.asarray(index, float) @ self.axes
 
 
-def way(values: Values) -> tuple[Array, Array]:
+def line_through_lowest(values: Values) -> tuple[Array, Array]:
     """(start, end): a line through the lowest point along an axis or a diagonal of the table, that which climbs
     least. It ends at the edge of the table, or of the grid's box, which may be smaller."""
     lowest = np.array(values.lowest())
@@ -84,7 +84,7 @@ def way(values: Values) -> tuple[Array, Array]:
     return (start + into * (end - start), start + out * (end - start)) if into < out else (start, end)
 
 
-def way_text(ends: Sequence[Array], unit: str, ticks: int) -> str:
+def path_text(ends: Sequence[Array], unit: str, ticks: int) -> str:
     """A path for play: there and back."""
     start, end = ends
     there = [start + (end - start) * k / ticks for k in range(ticks + 1)]

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from hapgrid.apps.common import confined
+from hapgrid.apps.common import sandbox
 from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import Failed, read_bytes
 
@@ -63,7 +63,7 @@ def behind_walls(path: str, parsed: Callable[[], Table]) -> Table:
         except Failed as why:
             raise Failed(f"{path}: {why}") from None
         return {**vars(table), "atoms": [[symbol for symbol, _ in table.atoms], np.array([x for _, x in table.atoms]).reshape(-1, 3)]}
-    table = Table(**confined.run(plain, path))
+    table = Table(**sandbox.run(plain, path))
     table.atoms = [(symbol, x) for symbol, x in zip(*table.atoms)]
     return table
 

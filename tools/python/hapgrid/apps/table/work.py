@@ -16,7 +16,7 @@ from hapgrid.apps.common.work import Work as Folder
 VERIFY_SHARE = 0.6  # about, of what the search took, when that took long
 
 
-def course(command: str, o: Namespace, define: Callable[[Work, str], Any], page: Callable[[Work, str], Any]) -> str:
+def run_steps(command: str, o: Namespace, define: Callable[[Work, str], Any], page: Callable[[Work, str], Any]) -> str:
     """Everything; the line for standard output. o: the options; define(work, name) makes the definition, and page(work, name)
     the page."""
     work = Work(command, o.output, o.quiet)

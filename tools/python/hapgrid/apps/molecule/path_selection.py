@@ -32,7 +32,7 @@ MISSED = 4.0  # kJ/mol: what the sum may miss
 def choose(start: Start, result: Result, unwanted: dict[str, str]) -> list[str]:
     """The paths of the grid, the lowest barrier first; rotors.tsv has them all, and why others are not taken. unwanted: paths,
     and why."""
-    o, kept = start.options, start.folder
+    o, folder = start.options, start.folder
     lowest_first = sorted(result.found, key=lambda f: round(f.barrier * HARTREE, 2))  # equal ones as they were found
 
     def compute() -> list[str]:
@@ -51,17 +51,17 @@ def choose(start: Start, result: Result, unwanted: dict[str, str]) -> list[str]:
         atoms = {name: "-".join(label(result.numbers, a) for a in t.atoms)
                  for t in start.turning for name in (t.name, *t.file_names())}
         table = [ROTORS, *((name, atoms.get(name, "-"), *rest) for name, *rest in rows)]
-        kept.write("rotors.tsv", "".join("\t".join(row) + "\n" for row in table))
-        kept.say("  taken: " + (", ".join(taken) or "no path: the molecule keeps its shape"))
+        folder.write("rotors.tsv", "".join("\t".join(row) + "\n" for row in table))
+        folder.say("  taken: " + (", ".join(taken) or "no path: the molecule keeps its shape"))
         for name, _, is_taken, why in rows:
             if is_taken == "no":
                 left.setdefault(why, []).append(name)
         for why, names in left.items():
-            kept.say(f"  left out: {', '.join(names)}: {why}")
+            folder.say(f"  left out: {', '.join(names)}: {why}")
         return ["rotors.tsv"]
-    kept.step("choice", "choosing the softest paths that are sane together", [*result.files(), "report.tsv"],
-              [o.paths, unwanted, o.basins, o.single_points], compute)
-    taken = {row["path"] for row in files.rows(kept, "rotors.tsv", ROTORS) if row["taken"] == "yes"}
+    folder.step("choice", "choosing the softest paths that are sane together", [*result.files(), "report.tsv"],
+                [o.paths, unwanted, o.basins, o.single_points], compute)
+    taken = {row["path"] for row in files.rows(folder, "rotors.tsv", ROTORS) if row["taken"] == "yes"}
     return [f.name for f in lowest_first if f.name in taken]
 
 

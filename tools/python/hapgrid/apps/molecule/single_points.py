@@ -16,7 +16,7 @@ import numpy as np
 from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import Failed, digest
 from hapgrid.apps.common.programs import run_program
-from hapgrid.apps.common.work import Kept, Work
+from hapgrid.apps.common.work import Cache, Work
 from hapgrid.files import program
 
 from . import files, geometry, single_point_ase, xyz
@@ -30,9 +30,9 @@ DENT = 1.0  # kJ/mol: a deeper one is a minimum, and the path to a barrier has n
 
 
 class SinglePoints:
-    """text: the command; kept: of a hapgrid.apps.common.work.Work, where results are kept."""
+    """text: the command; cache: of a hapgrid.apps.common.work.Work, where results are kept."""
 
-    def __init__(self, text: str, molecule: Molecule, kept: Kept) -> None:
+    def __init__(self, text: str, molecule: Molecule, cache: Cache) -> None:
         try:
             words = shlex.split(text)
         except ValueError as why:
@@ -43,18 +43,18 @@ class SinglePoints:
         named = program(OURS) if words[0] == OURS else os.path.abspath(words[0]) if "/" in words[0] else words[0]
         self.words = [named, *(os.path.abspath(w) if os.path.isfile(w) else w for w in words[1:])]
         self.method = re.sub(r"[^A-Za-z0-9.+-]+", "_", " ".join([os.path.basename(words[0]), *words[1:]])).strip("_")
-        self.numbers, self.kept = molecule.numbers, kept
+        self.numbers, self.cache = molecule.numbers, cache
         self.title = f"charge={molecule.charge} unpaired={molecule.unpaired}"
         self.key = [words, [digest(w) for w in (*self.words, single_point_ase.__file__) if os.path.isfile(w)]]
 
     def energy(self, x: Array) -> float:
         """Hartree, of positions in bohr. The same shape is computed once."""
         text = files.frame(self.numbers, x, self.title)
-        return self.kept.take(["single point", self.key, text], lambda: self._compute(text), xyz.finite)
+        return self.cache.take(["single point", self.key, text], lambda: self._compute(text), xyz.finite)
 
     def _compute(self, text: str) -> float:
-        os.makedirs(self.kept.directory, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix=".single-", dir=os.path.abspath(self.kept.directory)) as directory:
+        os.makedirs(self.cache.directory, exist_ok=True)
+        with tempfile.TemporaryDirectory(prefix=".single-", dir=os.path.abspath(self.cache.directory)) as directory:
             with open(os.path.join(directory, "node.xyz"), "w", encoding="utf-8") as file:
                 file.write(text)
             try:

@@ -1,4 +1,4 @@
-"""The course of a table from its file to the page."""
+"""The steps of a table from its file to the page."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from hapgrid.apps.common.files import Failed, digest, pieces
 
 from . import page, readers
 from .readers import Table
-from .work import Work, course
+from .work import Work, run_steps
 
 MOST_POINTS = 2_200_000  # of a grid whose spacing nobody asked for: 130 along each side
 TICKS = 4000  # of the way there, and as many back: at 1 kHz a few seconds
@@ -23,7 +23,7 @@ def run(o: Namespace) -> str:
     next(pieces(o.file), None)  # says why, where it cannot be read
     if o.factor == 0:
         raise Failed("--factor 0 leaves nothing to feel")
-    return course("table", o, lambda work, name: _define(o, work, name), _page)
+    return run_steps("table", o, lambda work, name: _define(o, work, name), _page)
 
 
 def _define(o: Namespace, work: Work, name: str) -> None:
@@ -138,5 +138,5 @@ max_levels = 1            # a table has one energy at each place
 
 def _page(work: Work, name: str) -> list[str]:
     values = page.Values(work, name)
-    work.write("path.txt", page.way_text(page.way(values), values.length_unit, TICKS))
+    work.write("path.txt", page.path_text(page.line_through_lowest(values), values.length_unit, TICKS))
     return page.write(work, name, values)

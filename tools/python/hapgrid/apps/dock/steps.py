@@ -1,4 +1,4 @@
-"""The course of a host and a ligand from their files to the page."""
+"""The steps of a host and a ligand from their files to the page."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ import numpy as np
 from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import Failed, digest, pieces, remove
 from hapgrid.apps.table import page, readers
-from hapgrid.apps.table.course import table_text
-from hapgrid.apps.table.work import Work, course
+from hapgrid.apps.table.steps import table_text
+from hapgrid.apps.table.work import Work, run_steps
 from scipy.interpolate import CubicSpline
 
 from . import field, maps
@@ -41,7 +41,7 @@ def run(o: Namespace) -> str:
         given = [o.host, o.ligand, *(field.files(o.host).values() if _is_field(o.host) else ())]
         work.step("definition", "reading host and ligand" if o.atoms else "computing the maps", [], [*map(digest, given), options],
                   lambda: _define(o, work, name))
-    return course("dock", o, define, _page)
+    return run_steps("dock", o, define, _page)
 
 
 def _is_field(path: str) -> bool:
@@ -153,7 +153,7 @@ def _wall(work: Work, low: Array, spacing: float, counts: list[int], threads: in
             np.minimum.at(lowest, at, found["energy"])
             poses = np.linalg.norm(found["force"][found["energy"] <= 0], axis=1)
             return [*lowest.tolist(), float(poses.max(initial=0))]
-        return work.kept.take([*given, begin], seek, lambda kept: np.array([*kept], float).reshape(len(of) + 1))
+        return work.cache.take([*given, begin], seek, lambda kept: np.array([*kept], float).reshape(len(of) + 1))
     found = work.each("seeking the deepest orientation at each point", part, range(0, len(points), PART), threads)
     lowest = np.concatenate([one[:-1] for one in found])
     if lowest.min() > 0:
@@ -186,7 +186,7 @@ def _page(work: Work, name: str) -> list[str]:
     records = _records(work, grid)
     points, energy, state, links = records["point"].astype(int), records["energy"], records["state"], records["destination"]
     ends = [origin + spacing * end for end in _way(points, energy, links, counts)]
-    work.write("path.txt", page.way_text(ends, "angstrom", TICKS))
+    work.write("path.txt", page.path_text(ends, "angstrom", TICKS))
     poses = _poses(points, energy, state)
     rows = [(energy[n], *(origin + spacing * points[n]), *state[n]) for n in poses]
     heads = ["energy / (kJ/mol)", "x / angstrom", "y / angstrom", "z / angstrom",
