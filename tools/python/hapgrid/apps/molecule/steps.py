@@ -169,7 +169,7 @@ def show(start: Start, shapes: Result, paths: Sequence[str]) -> str:
         raise Failed(f"{folder.path(grid)}: no way of the probe is found that pushes the molecule; hapgrid feel shows the grid")
     facts = [start.source, start.molecule.charge, start.molecule.unpaired, start.method]
     folder.step("page", "writing the page", [grid, *made, "rotors.tsv", "report.tsv", "verify.txt"], facts,
-              lambda: page.write(start, start.turned_by(paths), made))
+                lambda: page.write(start, start.turned_by(paths), made))
     folder.say(f"done: {folder.in_shell('index.html')} sums up")
     grid, way = folder.in_shell(grid), folder.in_shell(made[0])
     folder.say(f"{folder.in_shell('feel.html')} is a page in which the mouse is the hand; so is hapgrid feel {grid}")
