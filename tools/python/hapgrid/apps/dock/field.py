@@ -37,12 +37,20 @@ def read(path: str, ligand: Atoms) -> tuple[list[str], list[Table]]:
     known = files(path)
     names, tables = [*maps.kinds_of(ligand), "e", "d"], []
     for name in names:
+        if name not in known and not {"e", "d"} & set(known):
+            raise Failed(f"{path}: it has no maps of charge and desolvation: Vina's own maps have none. AutoGrid makes what is needed, "
+                         "from the host's file")
         if name not in known:
             raise Failed(f"{path}: there is no map {name}, which an atom of the ligand needs")
         tables.append(_map(known[name]))
-        if tables[-1].values.shape != tables[0].values.shape or not np.allclose(tables[-1].origin, tables[0].origin):
-            raise Failed(f"{path}: its maps have different points")
+        if tables[-1].values.shape != tables[0].values.shape or not (
+                np.allclose(tables[-1].origin, tables[0].origin) and np.allclose(tables[-1].axes, tables[0].axes)):
+            raise Failed(f"{path}: its maps have different points: {name} {_box(tables[-1])}, {names[0]} {_box(tables[0])}")
     return names, tables
+
+
+def _box(table: Table) -> str:
+    return f"{'x'.join(map(str, table.values.shape))} from {','.join(f'{v:g}' for v in table.origin)}, {table.axes[0, 0]:g} angstrom apart"
 
 
 def host(path: str) -> Atoms:

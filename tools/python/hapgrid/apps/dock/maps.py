@@ -14,7 +14,7 @@ from hapgrid.apps.common.work import Work
 from hapgrid.apps.table import readers, steps
 from hapgrid.apps.table.readers import Table
 
-from . import pqr
+from . import pqr, prepare
 
 Atoms: TypeAlias = list[tuple[str, Array, float]]  # type, place and charge
 MOST_HOST, MOST_LIGAND = 20_000, 200  # atoms
@@ -26,12 +26,18 @@ MOST_CELLS = 126  # of a map along an axis: AutoGrid has no more
 
 
 def pdbqt(work: Work, given: str, name: str, most: int) -> Atoms:
-    """Writes NAME.pdbqt from a file that Open Babel reads."""
+    """Writes NAME.pdbqt from a file that Open Babel reads, and says what its user must know of it."""
     stem, kind = os.path.splitext(given.lower())
     data = read_bytes(given, MOST_BYTES)
     if kind == ".gz":
         kind, data = os.path.splitext(stem)[1], readers.inflated(data, 31, MOST_BYTES)
+    if kind == ".map":
+        raise Failed(f"{given}: one map is no {name}: give the .maps.fld of AutoGrid's maps, or the file of its atoms. Vina's own "
+                     "maps have neither charges nor desolvation")
     text = data.decode("utf-8", "replace").replace("\r\n", "\n").replace("\r", "\n")
+    if kind in (".pdb", ".ent", ".pqr") or kind == ".pdbqt" and name == "host":
+        text = prepare.without_others(text, given, work.say, has_alternates=kind != ".pqr")
+        data = text.encode()
     if kind != ".pdbqt":
         lines = text.splitlines()
         counted = sum(line.startswith(("ATOM", "HETATM")) for line in lines) or len(lines) - MOST_REMARKS
@@ -46,11 +52,26 @@ def pdbqt(work: Work, given: str, name: str, most: int) -> Atoms:
                      "method has no charge for an element: give a .mol2 or .pdbqt with charges")
     if len(found) > most:
         raise Failed(f"{given}: {len(found):,} atoms, at most {most:,} are possible")
-    if all(charge == 0 for _, _, charge in found):
-        raise Failed(f"{given}: no atom has a charge")
+    if name == "ligand" and len(found) < 2:
+        raise Failed(f"{given}: one atom cannot turn: `hapgrid table` makes a grid of a map")
+    prepare.require_known(found, given)
     if len(found) > 1 and not np.ptp([place for _, place, _ in found], axis=0).any():
-        raise Failed(f"{given}: all atoms lie at one place: `obabel --gen3d` makes coordinates")
+        raise Failed(f"{given}: all atoms lie at one place: it has no coordinates, `obabel --gen3d` makes some")
+    if len(found) > 1 and all(charge == 0 for _, _, charge in found):
+        raise Failed(f"{given}: no atom has a charge")
+    if name == "ligand" and kind not in (".pdbqt", ".pqr"):
+        _remark_on_missing(work, given, data, kind)
+    prepare.remark_on_hydrogens(found, given, work.say)
     return found
+
+
+def _remark_on_missing(work: Work, given: str, data: bytes, kind: str) -> None:
+    """Says of a file without hydrogens that it lacks some."""
+    def hydrogens(*options: str) -> int:
+        ran = sandbox.program(["obabel", f"-i{kind[1:]}", "-oxyz", "-l1", *options], given, "openbabel", data)
+        return sum(line.split()[:1] == ["H"] for line in ran.out.splitlines())
+    if hydrogens() == 0 and (lacking := hydrogens("-h")):
+        work.say(f"  {given}: it has no hydrogens, and lacks {lacking}: `obabel -h` adds them")
 
 
 def _converted(given: str, data: bytes, kind: str, name: str) -> str:

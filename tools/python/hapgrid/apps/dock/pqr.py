@@ -3,6 +3,8 @@ charged groups of proteins no charge, so that it cannot make their PDBQT."""
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import Failed
@@ -16,7 +18,7 @@ METALS = ("MG", "ZN", "MN", "FE")
 
 def pdbqt(text: str, given: str) -> str:
     """The text of a PDBQT file. Hydrogens of carbon become a part of their atom, as AutoDock has them."""
-    atoms = [_atom(line.split(), given) for line in text.splitlines() if line.startswith(("ATOM", "HETATM"))]
+    atoms = [_atom(line, given) for line in text.splitlines() if line.startswith(("ATOM", "HETATM"))]
     heavy = [n for n, (element, *_) in enumerate(atoms) if element != "H"]
     if not heavy:
         raise Failed(f"{given}: it has no atoms")
@@ -43,8 +45,27 @@ def pdbqt(text: str, given: str) -> str:
     return "".join(lines)
 
 
-def _atom(words: list[str], given: str) -> tuple[str, str, str, Array, float]:
+def _words(line: str) -> list[str]:
+    """The words of an atom's line. In PDB's columns they may touch; else there are blanks between them."""
+    if re.fullmatch(r"(?:[ 0-9-]{4}\.[0-9]{3}){3}", line[30:54]):
+        rest = re.findall(r"[-+]?[0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]+)?", line[54:])
+        return [line[:6], line[6:11], line[12:16].strip(), line[17:21].strip(), *(line[c:c + 8] for c in (30, 38, 46)), *rest[:2]]
+    words = line.split()
+    if len(words) >= 5 and all(_is_number(word) for word in words[-5:]):
+        return words
+    return re.sub(r"(?<=[0-9])-(?=[0-9]*\.)", " -", line).split()
+
+
+def _is_number(word: str) -> bool:
+    try:
+        return float(word) is not None
+    except ValueError:
+        return False
+
+
+def _atom(line: str, given: str) -> tuple[str, str, str, Array, float]:
     """(element, name, residue, place, charge)"""
+    words = _words(line)
     try:
         x, y, z, charge, _ = map(float, words[-5:])
         name, residue = words[2].lstrip("0123456789"), words[3]

@@ -16,7 +16,7 @@ from hapgrid.apps.table.steps import table_text
 from hapgrid.apps.table.work import Work, run_steps
 from scipy.interpolate import CubicSpline
 
-from . import field, maps
+from . import field, maps, prepare
 
 LARGEST = 10.0  # angstrom: the sides of a box that nobody asked for
 MAX_LEVELS = 254
@@ -55,8 +55,6 @@ def _define(o: Namespace, work: Work, name: str) -> list[str]:
         raise Failed(f"{o.host}: --atoms needs the file of the host's atoms, not of its maps")
     host = field.host(o.host) if own else maps.pdbqt(work, o.host, "host", maps.MOST_BY_ATOMS if o.atoms else maps.MOST_HOST)
     ligand = maps.pdbqt(work, o.ligand, "ligand", maps.MOST_LIGAND)
-    if len(ligand) < 2:
-        raise Failed(f"{o.ligand}: one atom cannot turn: `hapgrid table` makes a grid of a map")
     reach = maps.reach(ligand, work.read("ligand.pdbqt"), o.torsions > 0)
     if own:
         names, tables = field.read(o.host, ligand)
@@ -77,6 +75,7 @@ def _define(o: Namespace, work: Work, name: str) -> list[str]:
     if own and not ((centre - size / 2 >= low - 1e-6) & (centre + size / 2 <= high + 1e-6)).all():
         raise Failed(f"the box is not inside the maps, which go from {_point(low)} to {_point(high)}")
     low, high = centre - size / 2, centre + size / 2
+    prepare.require_near(host, low, high, reach)
     made = []
     if o.atoms:
         names, tables = [], []

@@ -10,7 +10,7 @@ import numpy as np
 from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import Failed, digest, pieces
 
-from . import page, readers
+from . import page, readers, units
 from .readers import Table
 from .work import Work, run_steps
 
@@ -29,11 +29,8 @@ def run(o: Namespace) -> str:
 def _define(o: Namespace, work: Work, name: str) -> None:
     def compute() -> list[str]:
         work.say(f"reading {o.file}")
-        table = readers.read(o.file, o.array)
-        if o.unit is not None:
-            table.energy_unit = o.unit
-        if o.length_unit is not None:
-            table.length_unit = o.length_unit
+        table = readers.read(o.file, o.array, o.origin, o.steps)
+        units.convert(table, o.file, o.unit, o.length_unit)
         for note in table.notes:
             work.say("  " + note)
         work.enter()
@@ -41,7 +38,7 @@ def _define(o: Namespace, work: Work, name: str) -> None:
         work.write(f"{name}.table", table_text(table))
         work.write(f"{name}.toml", text)
         return [f"{name}.table", f"{name}.toml"]
-    options = [o.force, o.wall, o.factor, o.spacing, o.array, o.unit, o.length_unit]
+    options = [o.force, o.wall, o.factor, o.spacing, o.array, o.unit, o.length_unit, o.origin, o.steps]
     work.step("definition", "", [], [digest(o.file), options], compute)
 
 
