@@ -16,7 +16,7 @@ SOURCE = Path(__file__).resolve().parents[2]
 TAG = "py3-none-manylinux_2_36_x86_64"  # glibc 2.36 is that of Debian 12
 # What every Linux with that glibc and a C++ compiler's runtime has.
 OUTSIDE = re.compile(r"(libc|libm|libdl|libpthread|librt|ld-linux-x86-64|libstdc\+\+|libgcc_s)\.so\.\d+")
-OPENED = ["libseccomp.so.2"]  # by hapgrid.apps.common.confined
+OPENED = ["libseccomp.so.2"]  # by hapgrid.apps.common.sandbox
 FONT = "/usr/share/fonts/truetype/dejavu/DejaVuSansMono.ttf"
 HEADERS = ["libcli11-dev", "libeigen3-dev", "libfmt-dev", "libstdc++-12-dev", "libtomlplusplus-dev", "nlohmann-json3-dev"]
 

@@ -150,7 +150,7 @@ refuses 'dock: one.pdbqt: one atom cannot turn: .*' -- hapgrid dock "$host" one.
 for ((n = 0; n < 201; ++n)); do grep '^ATOM      1' small/ligand.pdbqt; done >many.pdbqt
 refuses 'dock: many.pdbqt: 201 atoms, at most 200 are possible' -- hapgrid dock "$host" many.pdbqt -o out -q
 sed 's/ OA$/ Xx/' small/ligand.pdbqt >strange.pdbqt
-refuses 'dock: autogrid4: ERROR:  unknown ligand atom type Xx' -- hapgrid dock "$host" strange.pdbqt -o out -q
+refuses 'dock: strange.pdbqt: AutoDock has no parameters of the type Xx: .*' -- hapgrid dock "$host" strange.pdbqt -o out -q
 { sed '/ATOM>/q' "$host"; seq 200000 | sed 's/$/ C 0 0 0 C.3 1 UNL1 0.1/'; } >huge.mol2
 refuses 'dock: huge.mol2: it has more than 20,000 atoms' -- hapgrid dock huge.mol2 "$ligand" -o out -q
 seq 200000 | sed 's/.*/ATOM & CA ALA 1 0 0 0 0.1 1.9/' >huge.pqr

@@ -10,7 +10,7 @@ from contextlib import suppress
 from dataclasses import replace
 from types import SimpleNamespace
 
-from hapgrid.apps.molecule import geometry, optimise, reading, results, rotors, search, singles, torsions, xtb
+from hapgrid.apps.molecule import geometry, optimise, reading, results, rotors, search, single_points, torsions, xtb
 from hapgrid.apps.molecule.molecule import relaxed
 from hapgrid.apps.molecule.results import Dropped, Path, Point
 from hapgrid.apps.molecule.xtb import BOHR, HARTREE
@@ -171,7 +171,7 @@ for start in (-0.02, -0.01, 0.01, 0.02):
 
 # Other energies: nodes a little below the conformation are left out, a path ends at its highest node, and a much lower node
 # becomes the conformation, from which its path leads both ways.
-class Given(singles.SinglePoints):
+class Given(single_points.SinglePoints):
     """Energies in kJ/mol by the torsion in whole degrees."""
 
     def __init__(self, energies):

@@ -11,7 +11,7 @@ import socket
 import subprocess
 import sys
 
-from hapgrid.apps.common import confined
+from hapgrid.apps.common import sandbox
 from hapgrid.apps.common.files import Failed
 from hapgrid.apps.molecule import molecule, reading
 from hapgrid.apps.molecule.elements import SYMBOLS
@@ -169,7 +169,7 @@ def build():
 
 def one_line(function):
     try:
-        confined.run(function, "file")
+        sandbox.run(function, "file")
     except Failed as why:
         return str(why)
     raise AssertionError("not refused")
@@ -190,7 +190,7 @@ def is_open(n):
 
 
 def hostile():
-    assert confined.run(lambda: ["ä", 1.5], "file") == ["ä", 1.5]
+    assert sandbox.run(lambda: ["ä", 1.5], "file") == ["ä", 1.5]
     assert "its reader crashed (SIGSEGV): the file is damaged" in one_line(lambda: ctypes.string_at(0))
     assert "its reader crashed (SIGABRT)" in one_line(os.abort)
     assert "Operation not permitted" in one_line(socket.socket)
@@ -202,9 +202,9 @@ def hostile():
         assert "its reader crashed" in one_line(lambda: taken_over(answer)), answer
     assert one_line(lambda: taken_over(b'{"refused": 5}')) == "5"
     assert "not understood: maximum recursion" in one_line(lambda: (f := lambda: f())())
-    confined.CPU_SECONDS = 1
+    sandbox.CPU_SECONDS = 1
     assert "reading it takes too long" in one_line(lambda: [None for _ in iter(int, 1)])
-    confined.CPU_SECONDS = 120
+    sandbox.CPU_SECONDS = 120
     chance = random.Random(1)
     outcomes = {"read": 0, "refused": 0}
     for n in range(len(INPUTS)):

@@ -116,10 +116,10 @@ rm strange/.work/name.json && mkfifo strange/.work/name.json
 refuses 'table: strange/.work/name.json: is no regular file' -- soon hapgrid table good.dx -o strange -q
 
 echo >x.txt
-bad x.txt 'only .map, .dx, .cube and .vti are known, and each with .gz behind it'
+bad x.txt 'only .map, .dx, .cube, .cub, .vti, .npy, .npz, .ccp4 and .mrc are known, and each with .gz behind it'
 bad gone.map 'No such file or directory'
 expect 1 '' 'table: good.map: no value is below the wall, -5: the lowest is 1' -- hapgrid table good.map -o out --wall -5 -q
-expect 1 '' 'table: good.vti: it has no array f at points, only e' -- hapgrid table good.vti -o out --array f -q
+expect 1 '' 'table: good.vti: it has no array f, only e' -- hapgrid table good.vti -o out --array f -q
 expect 1 '' 'table: --spacing 3: the table has only 2 along an axis' -- hapgrid table good.map -o out --spacing 3 -q
 expect 1 '' 'table: --factor 0 leaves nothing to feel' -- hapgrid table good.map -o out --factor 0 -q
 expect 2 '' "table: argument -o/--output: 'good.map' is no folder (see --help)" -- hapgrid table good.map -o good.map

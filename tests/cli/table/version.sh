@@ -12,7 +12,7 @@ seed 1
 computed() {
   HAPGRID_BIN=$PWD/copy/filters PYTHONPATH=copy /usr/bin/python3 - "$1" <<'END' | xargs
 import importlib, os, sys
-importlib.import_module(f"hapgrid.apps.{sys.argv[1]}.{'steps' if sys.argv[1] == 'molecule' else 'course'}")
+importlib.import_module(f"hapgrid.apps.{sys.argv[1]}.steps")
 from hapgrid.apps.common.work import Work
 
 

@@ -1,4 +1,4 @@
-"""Tries ways out of each kind of process that reads files from strangers (hapgrid.apps.common.confined), with Landlock and
+"""Tries ways out of each kind of process that reads files from strangers (hapgrid.apps.common.sandbox), with Landlock and
 without. It works in the current folder, and prints a table."""
 
 import ctypes
@@ -8,7 +8,7 @@ import os
 import pty
 import sys
 
-from hapgrid.apps.common import confined
+from hapgrid.apps.common import sandbox
 from hapgrid.apps.common.files import Failed
 
 FILES = {"a new file", "an unnamed file", "mmap", "truncate on opening", "a terminal", "the parent's memory"}
@@ -108,13 +108,13 @@ def tried(kind, landlock):
     ours, theirs = pty.openpty()
     given = [os.getpid(), ctypes.addressof(secret), os.ttyname(theirs), os.path.realpath("room"),
              "/bin/true" if landlock or kind == "function" else "/gone"]  # else it may start, behind its walls
-    confined.landlock = VERSION if landlock else lambda: 0
+    sandbox.landlock = VERSION if landlock else lambda: 0
     if kind == "function":
-        found = confined.run(lambda: attack(*given), "file")
+        found = sandbox.run(lambda: attack(*given), "file")
     else:
         text = f"{inspect.getsource(attack)}\nimport json\nprint(json.dumps(attack(*{given})))"
         os.makedirs("own", exist_ok=True)
-        ran = confined.program(["/usr/bin/python3", "-I", "-"], "file", "python3", text.encode(), os.path.realpath("own") if kind == "folder" else None)
+        ran = sandbox.program(["/usr/bin/python3", "-I", "-"], "file", "python3", text.encode(), os.path.realpath("own") if kind == "folder" else None)
         assert ran.code == 0, ran
         found = json.loads(ran.out)
     through = {name for name, how in found.items() if how == "done"}
@@ -136,15 +136,15 @@ def tried(kind, landlock):
 def own_folder():
     """A program that may write does so in its folder, and sees that of nobody else."""
     here = os.path.realpath("own")
-    ran = confined.program(["/usr/bin/python3", "-I", "-"], "file", "python3", b"open('made', 'w').write('x' * 9)", here)
+    ran = sandbox.program(["/usr/bin/python3", "-I", "-"], "file", "python3", b"open('made', 'w').write('x' * 9)", here)
     assert ran.code == 0 and open("own/made").read() == 9 * "x", ran
     os.remove("own/made")
 
 
-VERSION = confined.landlock
+VERSION = sandbox.landlock
 print(f"Landlock's version: {VERSION()}")
 for kind in ("function", "program", "folder"):
     for landlock in (True, False) if VERSION() else (False,):
         tried(kind, landlock)
-confined.landlock = VERSION
+sandbox.landlock = VERSION
 own_folder()

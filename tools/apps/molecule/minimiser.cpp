@@ -1,5 +1,6 @@
 #include "tools/apps/molecule/minimiser.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -16,66 +17,26 @@ constexpr int kCurvatureLasts = 3;
 constexpr double kLeastNudge = 1e-3;
 }  // namespace
 
-/// The upper triangular U of B + shift 1 = Uᵀ U into u, the inverses of its diagonal into
-/// `inverse`; false when the sum is not positive definite. Pairs of a row are computed at once;
-/// where one begins before the diagonal, what it has there is not used.
-HAPGRID_WITH_AVX2
-bool Minimiser::factor(const Matrix& b, double shift, Factors& f) {
-  const auto n = static_cast<std::size_t>(b.rows());
-  const auto pair = [](std::size_t i) { return i - i % 2; };  // where the pair begins that has i
-  for (std::size_t i = 0; i < n; ++i) {
-    f.u[i][n] = 0;
-    for (std::size_t j = pair(i); j < n; ++j)
-      f.u[i][j] = b(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(i));
-    f.u[i][i] += shift;
-  }
-  for (std::size_t k = 0; k < n; ++k) {
-    double* const row = f.u[k];
-    if (!(row[k] > 0)) return false;
-    f.inverse[k] = 1 / std::sqrt(row[k]);
-    for (std::size_t j = pair(k); j < n; j += 2) store(row + j, f.inverse[k] * load<Two>(row + j));
-    for (std::size_t i = k + 1; i < n; ++i)
-      for (std::size_t j = pair(i); j < n; j += 2)
-        store(f.u[i] + j, load<Two>(f.u[i] + j) - row[i] * load<Two>(row + j));
-  }
-  return true;
-}
-
-/// Uᵀ y = v, in place.
-void Minimiser::solve_lower(const Factors& f, Vector& v) {
-  const auto n = static_cast<std::size_t>(v.size());
-  double* const y = v.data();
-  for (std::size_t k = 0; k < n; ++k) {
-    y[k] *= f.inverse[k];
-    for (std::size_t j = k + 1; j < n; ++j) y[j] -= f.u[k][j] * y[k];
-  }
-}
-
 /// The p that makes g·p + ½ p·B p (nearly) least for |p| <= radius, after Moré and Sorensen 1983.
 /// Deviation: when the least shift that makes B positive definite already gives a step inside the
 /// radius, that step is taken.
-HAPGRID_WITH_AVX2
 Minimiser::Vector Minimiser::within(double radius, const Matrix& b, const Vector& g) const {
   double shift = 0;
   double too_low = 0;  // a shift with which B was not positive definite
   const double size = std::max(b.diagonal().cwiseAbs().maxCoeff(), 1e-6);
-  Factors factors;
+  Eigen::LLT<Matrix> factors(b.rows());
   for (int round = 0; round < 40; ++round) {
-    if (!factor(b, shift, factors)) {
+    Matrix shifted = b;
+    shifted.diagonal().array() += shift;
+    if (factors.compute(shifted).info() != Eigen::Success) {
       too_low = shift;
       shift = std::max(4 * shift, 1e-3 * size);
       continue;
     }
-    Vector p = -g;
-    solve_lower(factors, p);
-    for (Eigen::Index j = p.size(); j-- > 0;) {
-      p[j] *= factors.inverse[j];
-      for (Eigen::Index i = 0; i < j; ++i) p[i] -= factors.u[i][j] * p[j];
-    }
+    const Vector p = factors.solve(-g);
     const double length = p.norm();
     if (length <= 1.1 * radius) return p;
-    Vector q = p;
-    solve_lower(factors, q);
+    const Vector q = factors.matrixL().solve(p);
     const double better = shift + length * length / q.squaredNorm() * (length - radius) / radius;
     shift = std::max(better, 0.5 * (shift + too_low));
   }

@@ -47,13 +47,6 @@ class Minimiser {
   using Matrix =
       Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxVariables, kMaxVariables>;
 
-  struct Factors {
-    double u[kMaxVariables][kMaxVariables + 2];
-    double inverse[kMaxVariables];
-  };
-  static bool factor(const Matrix& b, double shift, Factors& f);
-  static void solve_lower(const Factors& f, Vector& v);
-
   /// The derivatives in scaled variables at s, where H was evaluated last.
   void differentiate(const double* s);
   /// Sets `trial` to s + p, with t exactly on the bounds that p reaches.

@@ -7,6 +7,7 @@ import os
 import subprocess
 import warnings
 from pathlib import Path
+from typing import IO, Any
 
 from hapgrid.frames import MAGIC, read_frames
 
@@ -19,12 +20,13 @@ def program(name: str) -> str:
     return os.path.join(FILTERS, name)
 
 
-def model_words(folder: str | os.PathLike | None) -> list[str]:
+def model_words(folder: str | os.PathLike[str] | None) -> list[str]:
     """The option for a folder with plug-ins of one's own."""
     return [] if folder is None else ["--model-path", os.fspath(folder)]
 
 
-def read(path: str | os.PathLike, grid: str | os.PathLike | None = None, model_path: str | os.PathLike | None = None) -> dict:
+def read(path: str | os.PathLike[str], grid: str | os.PathLike[str] | None = None,
+         model_path: str | os.PathLike[str] | None = None) -> dict[str, Any]:
     """The arrays of a grid, a session, a text log or a file of frames, as a dict from their names to arrays of NumPy.
 
     hapgrid-stats(1) lists those of a grid and of a session. A grid's have a row for each record: "point" (n x 3),
@@ -54,7 +56,7 @@ def read(path: str | os.PathLike, grid: str | os.PathLike | None = None, model_p
     return _arrays(path)
 
 
-def write_vti(grid: str | os.PathLike, path: str | os.PathLike, level: int = 0) -> None:
+def write_vti(grid: str | os.PathLike[str], path: str | os.PathLike[str], level: int = 0) -> None:
     """Writes an image of a grid that ParaView and VTK open: "levels", how many a point has, and the state, the force and
     the energy of the records at `level`, where the grid stores them; not a number where a point has no such record."""
     import numpy
@@ -84,25 +86,27 @@ def write_vti(grid: str | os.PathLike, path: str | os.PathLike, level: int = 0) 
         file.write(b"</AppendedData></VTKFile>")
 
 
-def _arrays(path):
+def _arrays(path: str) -> dict[str, Any]:
     import numpy
 
     told = []
-    for kind in [], ["--log", "-"]:
+    kinds: list[list[str]] = [[], ["--log", "-"]]
+    for kind in kinds:
         with open(path, "rb") as file:
             result = subprocess.run([program("stats"), *kind, "--npy", "-"], stdin=file, capture_output=True, check=False)
         if result.returncode == 0:
             rows = numpy.load(io.BytesIO(result.stdout))
             if kind:
                 return {"ticks": rows}
-            box = json.loads(subprocess.run([program("stats"), os.path.abspath(path), "--get", "box"], capture_output=True, check=True).stdout)
+            words = [program("stats"), os.path.abspath(path), "--get", "box"]
+            box = json.loads(subprocess.run(words, capture_output=True, check=True).stdout)
             return {name: rows[name] for name in rows.dtype.names} | {name: numpy.array(value) for name, value in box.items()}
         told.append(result.stderr.decode(errors="replace").strip())
     why = told[0] if "not a session" in told[1] or "--log" in told[1] else told[1]
     raise ValueError(f"{path}: {why}")
 
 
-def _replayed(path, grid, model_path):
+def _replayed(path: str, grid: str, model_path: str | os.PathLike[str] | None) -> Any:
     command = [program("play"), grid, "--device", f"replay:{path}", "--log", "-", *model_words(model_path)]
     result = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, check=False)
     if result.returncode != 0:
@@ -110,7 +114,7 @@ def _replayed(path, grid, model_path):
     return _text_log(path, io.BytesIO(result.stdout))
 
 
-def _text_log(path, file):
+def _text_log(path: str, file: IO[bytes]) -> Any:
     import numpy
 
     file.seek(0)
@@ -126,7 +130,7 @@ def _text_log(path, file):
               ("state", float, (states,))]
     fields += [(name, float) for name in names[COLUMNS + 8 + states:]]
     ticks, at = numpy.zeros(len(numbers), fields), 0
-    for name in ticks.dtype.names:
+    for name in ticks.dtype.names or ():
         shape = ticks.dtype[name].shape
         width = shape[0] if shape else 1
         ticks[name] = numbers[:, at:at + width] if shape else numbers[:, at]

@@ -5,13 +5,16 @@ Frames are messages of Cap'n Proto in standard framing (capnproto.org/encoding.h
 """
 from __future__ import annotations
 
+from typing import Any, TypeAlias
+
+Struct: TypeAlias = tuple[int, int, int, int]  # segment, first byte, bytes of data and number of pointers
 MAGIC = 0x6861706772696466.to_bytes(8, "little")  # "hapgridf"
 NAN = 0x7FF8000000000000  # own_energy is coded as its difference to this default
 MOST_SEGMENTS = 512  # of a message, as Cap'n Proto has it
 BYTES = {2: "u1", 4: "<f4", 5: "<f8"}  # the kinds of lists that frames have
 
 
-def read_frames(path: str, data: bytes):
+def read_frames(path: str, data: bytes) -> Any:
     """All whole frames: play may have been stopped in the middle of one. Raises ValueError for damaged frames."""
     import numpy
 
@@ -30,22 +33,22 @@ def read_frames(path: str, data: bytes):
         ("energy", float), ("state", float, (states,)), ("levels", "u1", 8), ("shape", "f4", (centres // 3, 3)),
         ("jumps", "u8"), ("own_energy", float), ("hand", float, 3)])
     for row, frame in zip(array, frames):
-        for name in array.dtype.names:
+        for name in array.dtype.names or ():
             row[name] = frame[name].reshape(-1, 3) if name == "shape" else frame[name]
     return array
 
 
-def _frame(message, at):
+def _frame(message: _Message, at: Struct) -> dict[str, Any]:
     import numpy
 
-    def vector(pointer):
+    def vector(pointer: int) -> Any:
         place = message.pointer_of(at, pointer)
         if message.word(*place) == 0:
             return numpy.full(3, numpy.nan)
         segment, start, _, _ = message.struct(*place)
         return numpy.frombuffer(message.segments[segment], "<f8", 3, start)
 
-    def double(offset, default=0):
+    def double(offset: int, default: int = 0) -> Any:
         return numpy.uint64(message.number(at, offset, 8) ^ default).view(float)
 
     return {"t": double(0), "tick": message.number(at, 8, 8), "hip": vector(0), "position": vector(1), "sent": vector(2),
@@ -57,11 +60,11 @@ def _frame(message, at):
 class _Message:
     """One message. A place in it is the number of a segment and a byte there."""
 
-    def __init__(self, segments, end):
+    def __init__(self, segments: list[bytes], end: int) -> None:
         self.segments, self.end = segments, end
 
     @classmethod
-    def at(cls, data, at):
+    def at(cls, data: bytes, at: int) -> _Message | None:
         """The message that begins at a byte of `data`; None where no whole one does."""
         count = int.from_bytes(data[at:at + 4], "little") + 1
         if count > MOST_SEGMENTS:
@@ -78,25 +81,25 @@ class _Message:
             at += size
         return cls(segments, at)
 
-    def word(self, segment, at):
+    def word(self, segment: int, at: int) -> int:
         if at < 0:
             raise IndexError
         return int.from_bytes(self.segments[segment][at:at + 8], "little")
 
-    def number(self, at, offset, size):
+    def number(self, at: Struct, offset: int, size: int) -> int:
         """A number in the data of a struct; 0 behind its end."""
         segment, start, data, _ = at
         if offset + size > data:
             return 0
         return int.from_bytes(self.segments[segment][start + offset:start + offset + size], "little")
 
-    def pointer_of(self, at, index):
+    def pointer_of(self, at: Struct, index: int) -> tuple[int, int]:
         segment, start, data, pointers = at
         if index >= pointers:
             raise IndexError
         return segment, start + data + 8 * index
 
-    def follow(self, segment, at):
+    def follow(self, segment: int, at: int) -> tuple[int, int, int]:
         """Where a pointer leads, and the pointer itself."""
         pointer = self.word(segment, at)
         if pointer & 3 != 2:
@@ -108,12 +111,12 @@ class _Message:
         content = self.word(there, pad)
         return content >> 32, 8 * (content >> 3 & 0x1FFFFFFF), self.word(there, pad + 8)
 
-    def struct(self, segment, at):
+    def struct(self, segment: int, at: int) -> Struct:
         """Segment, first byte, bytes of data and number of pointers."""
         segment, start, pointer = self.follow(segment, at)
         return segment, start, 8 * (pointer >> 32 & 0xFFFF), pointer >> 48
 
-    def list(self, segment, at):
+    def list(self, segment: int, at: int) -> Any:
         import numpy
 
         segment, start, pointer = self.follow(segment, at)

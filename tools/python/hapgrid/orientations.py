@@ -1,8 +1,9 @@
 """Orientations: six numbers of a state that are the first two columns of a rotation matrix."""
 import math
+from collections.abc import Sequence
 
 
-def normalised(columns):
+def normalised(columns: Sequence[float]) -> list[float]:
     """Six numbers of a state that are an orientation, the first two columns of a rotation matrix, made orthonormal.
 
     A description says with "period": [..., -1, -1, -1, -1, -1, -1] that they are one (see PROTOCOL.md). The first
@@ -18,14 +19,14 @@ def normalised(columns):
     return [*(a / size for a in p), *(b / other for b in q)]
 
 
-def applied(columns, point):
+def applied(columns: Sequence[float], point: Sequence[float]) -> list[float]:
     """Where an orientation brings a point of the body: the rotation matrix times (x, y, z)."""
     p, q = columns[:3], columns[3:6]
     r = [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
     return [p[k] * point[0] + q[k] * point[1] + r[k] * point[2] for k in range(3)]
 
 
-def turned(columns, turn):
+def turned(columns: Sequence[float], turn: Sequence[float]) -> list[float]:
     """An orientation after a turn by a rotation vector: around its direction, by its length in radians."""
     angle = math.hypot(*turn)
     if angle == 0:

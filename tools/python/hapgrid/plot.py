@@ -13,11 +13,16 @@ from __future__ import annotations
 import json
 import os
 import subprocess
+from collections.abc import Iterable, Sequence
+from typing import Any, TypeAlias
 
 from hapgrid.files import program, read
 from hapgrid.quantities import AXES, Play, beside, report
-from hapgrid.style import (BLUE, COLOURS, GREY, MARKERS, ORANGE, PURPLE, figure, house_style, label, legend, limits, place, plain,
-                           save, sign)
+from hapgrid.style import (BLUE, COLOURS, GREY, MARKERS, ORANGE, PURPLE, figure, house_style, label, legend, limits, place,
+                           plain, save, sign)
+
+Name: TypeAlias = str | os.PathLike[str]
+Files: TypeAlias = Name | Iterable[Name]
 
 __all__ = ["columns", "error", "save", "session", "slice"]
 MOST_SNAPS = 40  # that are marked one by one
@@ -31,7 +36,7 @@ SNAP_LINE = {"color": GREY, "linestyle": (0, (5, 2, 1, 2)), "linewidth": 1, "zor
 ROW = {"level_changed": "snap", "safety_too-fast": "too fast"}
 
 
-def slice(grid: str | os.PathLike, plane: str | None = None):
+def slice(grid: str | os.PathLike[str], plane: str | None = None) -> Any:
     """The number of levels of each point in the grid's plane that is nearest to `plane`, as in "y=0"; in the middle where it
     is left out."""
     import numpy
@@ -57,12 +62,13 @@ def slice(grid: str | os.PathLike, plane: str | None = None):
         axes.imshow(levels, origin="lower", extent=(low[0], high[0], low[1], high[1]), aspect="equal", vmin=-0.5, vmax=most + 0.5,
                     cmap=module.colors.ListedColormap(["white", *colours]))
         unit = known["length_unit"]
-        axes.set(xlabel=label(AXES[u], unit), ylabel=label(AXES[v], unit), title=plain(f"{known['model']}, levels at {AXES[axis]} = {at} {sign(unit)}".rstrip()))
+        title = f"{known['model']}, levels at {AXES[axis]} = {at} {sign(unit)}".rstrip()
+        axes.set(xlabel=label(AXES[u], unit), ylabel=label(AXES[v], unit), title=plain(title))
         _levels_legend(drawn, axes, levels, colours)
     return drawn
 
 
-def _plane(text, origin, spacing, counts):
+def _plane(text: str | None, origin: Any, spacing: float, counts: Any) -> tuple[int, int]:
     """The axis and the number of the plane of points."""
     if text is None:
         return 1, int(counts[1]) // 2
@@ -81,12 +87,12 @@ def _plane(text, origin, spacing, counts):
     return a, min(max(int(-(-(step - 0.5) // 1)), 0), last)  # the lower of two that are equally near
 
 
-def _level_colours(module, most):
+def _level_colours(module: Any, most: int) -> Any:
     """From light to dark; few levels keep to the light half."""
     return [module.colormaps["YlGnBu"](0.16 + 0.79 * k / max(most - 1, 4)) for k in range(most)]
 
 
-def _levels_legend(drawn, axes, levels, colours):
+def _levels_legend(drawn: Any, axes: Any, levels: Any, colours: Any) -> None:
     from matplotlib import cm, colors, patches
 
     there = sorted(set(levels.flat))
@@ -100,17 +106,18 @@ def _levels_legend(drawn, axes, levels, colours):
     drawn.colorbar(scale, ax=axes, label="levels")
 
 
-def columns(files, x: str, y: str, *, grid=None, names=None, labels=None, model_path=None):
+def columns(files: Files, x: str, y: str, *, grid: Name | None = None, names: Iterable[str] | None = None,
+            labels: Sequence[str] | None = None, model_path: Name | None = None) -> Any:
     """Column `y` over column `x` of logs, sessions and files of frames, one over the other. The columns are those of
     hapgrid-play(1), and "force" and "sent" for the length of the vectors.
 
-    grid    the file of the grid that was played: it tells the units, and gives a session its states and energies; model_path: of its plug-in
+    grid    the file of the grid that was played: it tells the units, and gives a session its states and energies; model_path:
+            of its plug-in
     names   of the files in the legend
     labels  of the two axes, in place of the columns' names
 
     The way back is told from the way there, where x is a place. What the model does when it snaps is dotted."""
-    files = [files] if isinstance(files, (str, os.PathLike)) else list(files)
-    plays = [Play(file, grid, model_path) for file in files]
+    plays = [Play(file, grid, model_path) for file in _each(files)]
     names = [os.path.basename(play.path) for play in plays] if names is None else list(names)
     if len(names) != len(plays):
         raise ValueError(f"{len(names)} names for {len(plays)} files")
@@ -140,7 +147,11 @@ def columns(files, x: str, y: str, *, grid=None, names=None, labels=None, model_
     return drawn
 
 
-def _there(play):
+def _each(files: Files) -> list[Name]:
+    return [files] if isinstance(files, (str, os.PathLike)) else list(files)
+
+
+def _there(play: Play) -> list[str]:
     """Names of the columns that have a value somewhere."""
     names = []
     for name in play.names():
@@ -153,7 +164,7 @@ def _there(play):
     return names
 
 
-def turn(x) -> int:
+def turn(x: Any) -> int:
     """The tick in which the way back begins: x is the farthest from its beginning there, for the first time. The last one
     where there is no way back."""
     import numpy
@@ -161,7 +172,7 @@ def turn(x) -> int:
     return int(numpy.argmax(numpy.abs(x - x[0])))
 
 
-def _curve(axes, x, y, snaps, name, colours, styles, over):
+def _curve(axes: Any, x: Any, y: Any, snaps: Any, name: str | None, colours: Sequence[str], styles: Any, over: str) -> None:
     """One curve: there and back, broken where the model snaps. Without a name, None, it is not in the legend."""
     import numpy
 
@@ -180,7 +191,7 @@ def _curve(axes, x, y, snaps, name, colours, styles, over):
                 axes.plot(x[k - 1:k + 1], y[k - 1:k + 1], color=colour, zorder=3, **SNAP)
 
 
-def session(file, grid=None, model_path=None):
+def session(file: Name, grid: Name | None = None, model_path: Name | None = None) -> Any:
     """What happened in a play, over time: force, HIP, energy, times, and what was flagged. `file` is a session, a log or a file
     of frames; `grid`, the grid that was played, adds units, and the energies of a session; model_path: of its plug-in."""
     import numpy
@@ -196,7 +207,7 @@ def session(file, grid=None, model_path=None):
     with house_style():
         drawn = figure(7.6, sum(heights) + 0.32 * len(heights) + 0.6)
         grid_of_axes = drawn.add_gridspec(len(heights), 1, height_ratios=heights)
-        every = []
+        every: list[Any] = []
         for k in range(len(heights)):
             axes = drawn.add_subplot(grid_of_axes[k], sharex=every[0] if every else None)
             every.append(axes)
@@ -217,7 +228,7 @@ def session(file, grid=None, model_path=None):
     return drawn
 
 
-def legend_beside(axes, snaps):
+def legend_beside(axes: Any, snaps: bool) -> None:
     """The legend to the right of a panel."""
     if snaps:
         axes.plot([], [], label="the model snaps", **SNAP_LINE)
@@ -225,13 +236,14 @@ def legend_beside(axes, snaps):
         axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.04))
 
 
-def reduced(t, y):
+def reduced(t: Any, y: Any) -> tuple[Any, Any]:
     """The smallest and the largest value in each of some thousand columns, so that a peak of one tick is seen however long
     the play is. Where ticks are missing the curve is broken."""
     import numpy
 
-    gaps = numpy.flatnonzero(numpy.diff(t) > max(10 * numpy.median(numpy.diff(t)), (t[-1] - t[0]) / COLUMNS)) + 1 if len(t) > 2 else []
-    xs, ys = [], []
+    gaps: Any = numpy.flatnonzero(numpy.diff(t) > max(10 * numpy.median(numpy.diff(t)), (t[-1] - t[0]) / COLUMNS)) + 1 if len(t) > 2 else []
+    xs: list[Any] = []
+    ys: list[Any] = []
     for part_t, part in zip(numpy.split(t, gaps), numpy.split(y, gaps)):
         width = max(len(t) // COLUMNS, 1)
         if width > 1:
@@ -244,7 +256,7 @@ def reduced(t, y):
     return numpy.concatenate(xs), numpy.concatenate(ys)
 
 
-def _force_panel(axes, play, t):
+def _force_panel(axes: Any, play: Play, t: Any) -> None:
     every = []
     for a, name in enumerate(AXES):
         sent, force = play.column(f"sent_{name}"), play.column(f"force_{name}")
@@ -257,14 +269,14 @@ def _force_panel(axes, play, t):
     axes.set_ylabel(label("force", "N"))
 
 
-def _hip_panel(axes, play, t):
+def _hip_panel(axes: Any, play: Play, t: Any) -> None:
     for a, name in enumerate(AXES):
         axes.plot(*reduced(t, play.column(name)), color=COLOURS[a], label=name)
     _limits_of(axes, [play.column(name) for name in AXES])
     axes.set_ylabel(label("HIP", play.units["length"]))
 
 
-def _work_panel(axes, play, t):
+def _work_panel(axes: Any, play: Play, t: Any) -> None:
     """The force that was sent, times the way of the HIP until the next tick, since the beginning; a simulated device begins
     anew in each of its sessions."""
     import numpy
@@ -287,7 +299,7 @@ def _work_panel(axes, play, t):
     axes.set_ylabel(label("work on the hand", play.report["energy"]["unit"]))
 
 
-def _energy_panel(axes, play, t):
+def _energy_panel(axes: Any, play: Play, t: Any) -> None:
     curves = [(name, word) for name, word in beside("energy") if name in _there(play)]
     for (name, word), colour in zip(curves, (ORANGE, BLUE)):
         axes.plot(*reduced(t, play.column(name)), color=colour, label=word if len(curves) > 1 else None)
@@ -295,7 +307,7 @@ def _energy_panel(axes, play, t):
     axes.set_ylabel(play.label("energy"))
 
 
-def _time_panel(axes, play, t):
+def _time_panel(axes: Any, play: Play, t: Any) -> None:
     import numpy
 
     for name, colour, word in (("lateness_us", PURPLE, "lateness"), ("compute_us", "black", "compute time")):
@@ -304,15 +316,15 @@ def _time_panel(axes, play, t):
     axes.set_ylabel(label("time", "µs"))
 
 
-def _limits_of(axes, columns_):
+def _limits_of(axes: Any, columns_: Any) -> None:
     import numpy
 
     limits(axes, numpy.concatenate(columns_))
 
 
-def _flags(play):
+def _flags(play: Play) -> list[tuple[str, Any]]:
     """Name and truth values of the flags that are set in some ticks."""
-    rows = []
+    rows: list[tuple[str, Any]] = []
     if "flags" not in play.ticks.dtype.names:
         return rows
     for bit, name in enumerate((play.report or {}).get("flags", {})):
@@ -322,7 +334,7 @@ def _flags(play):
     return rows
 
 
-def _strip(axes, t, rows):
+def _strip(axes: Any, t: Any, rows: Sequence[tuple[str, Any]]) -> None:
     """A row for each flag, the first on top."""
     import numpy
     tick = numpy.median(numpy.diff(t)) if len(t) > 1 else 1
@@ -335,19 +347,19 @@ def _strip(axes, t, rows):
     axes.tick_params(axis="y", length=0)
 
 
-def error(grids, *, walks: int = 100, options=()):
+def error(grids: Files, *, walks: int = 100, options: Sequence[str] = ()) -> Any:
     """How far play is from the model along random walks of the hand, over the spacing of grids of one or several models:
     `verify --walks` asks the model. options: more options of verify, as ["--allow-process", "model.toml"]."""
-    grids = [grids] if isinstance(grids, (str, os.PathLike)) else list(grids)
-    found = {}  # model: [(spacing, report, figures)]
-    for grid in map(os.fspath, grids):
+    files = [os.fspath(file) for file in _each(grids)]
+    found: dict[str, list[Any]] = {}  # model: [(spacing, report, figures)]
+    for grid in files:
         known = report(grid)
         found.setdefault(known["model"], []).append((known["box"]["spacing"], known, _accuracy(grid, walks, options)))
     for rows in found.values():
         rows.sort(key=lambda row: row[0])
     panels = [name for name in ("force", "state") if any(f"{name} median" in row[2] for rows in found.values() for row in rows)]
     if not panels:
-        raise ValueError(f"{os.fspath(grids[0])}: verify has measured no error on these walks")
+        raise ValueError(f"{files[0]}: verify has measured no error on these walks")
     with house_style():
         drawn = figure(3.4 * len(panels) + 0.4, 3.5)
         for k, name in enumerate(panels):
@@ -357,7 +369,7 @@ def error(grids, *, walks: int = 100, options=()):
     return drawn
 
 
-def _accuracy(grid, walks, options):
+def _accuracy(grid: str, walks: int, options: Sequence[str]) -> dict[str, tuple[Any, str]]:
     """The figures of verify's row `accurate`, by name: value and unit."""
     command = [program("verify"), grid, "--recompute", "none", "--walks", str(walks), "-v", "--format", "json", *options]
     done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, check=False)
@@ -369,7 +381,7 @@ def _accuracy(grid, walks, options):
     return {one["name"]: (one["value"], one["unit"]) for one in (figures[0] if figures else [])}
 
 
-def _error_panel(axes, name, found):
+def _error_panel(axes: Any, name: str, found: dict[str, Any]) -> None:
     import numpy
     from matplotlib import ticker
 

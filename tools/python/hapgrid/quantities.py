@@ -4,6 +4,7 @@ from __future__ import annotations
 import json
 import os
 import subprocess
+from typing import Any
 
 from hapgrid.files import program, read
 from hapgrid.style import label
@@ -13,7 +14,7 @@ WORDS = {"t": "time", "force": "force", "sent": "force", "energy": "energy", "ow
          "lateness_us": "lateness", "compute_us": "compute time"}
 
 
-def report(*arguments: str) -> dict:
+def report(*arguments: str) -> dict[str, Any]:
     """What stats says as JSON. Raises ValueError with its line."""
     result = subprocess.run([program("stats"), *arguments, "--format", "json"], stdin=subprocess.DEVNULL,
                             capture_output=True, check=False)
@@ -26,7 +27,8 @@ class Play:
     """A log, session or file of frames. ticks: as read() has them; units: of "length", "energy" and "state", "" where they
     are not known."""
 
-    def __init__(self, path, grid=None, model_path=None):
+    def __init__(self, path: str | os.PathLike[str], grid: str | os.PathLike[str] | None = None,
+                 model_path: str | os.PathLike[str] | None = None) -> None:
         self.path = os.fspath(path)
         arrays = read(self.path, grid, model_path)
         self.ticks = arrays.get("ticks", arrays.get("frames"))
@@ -34,7 +36,7 @@ class Play:
             raise ValueError(f"{self.path}: a grid, not a session, log or file of frames")
         if not len(self.ticks):
             raise ValueError(f"{self.path}: no tick in it")
-        self.report = None
+        self.report: Any = None
         with open(self.path, "rb") as file:
             if file.read(4) == b"\x28\xb5\x2f\xfd":  # zstd: a session
                 self.report = report("--log", self.path)
@@ -43,7 +45,7 @@ class Play:
             known = report(os.fspath(grid))
             self.units = {"length": known["length_unit"], "energy": known["energy_unit"], "state": known["tolerance_unit"]}
 
-    def column(self, name):
+    def column(self, name: str) -> Any:
         """A value a tick. "force" and "sent" are lengths of vectors. Raises ValueError with the names that there are."""
         import numpy
 
@@ -64,14 +66,14 @@ class Play:
         hint = "" if "state" in fields else "; a session has states and energies together with its grid"
         raise ValueError(f"{self.path}: no column {name}: there are {', '.join(self.names())}{hint}")
 
-    def names(self):
+    def names(self) -> list[str]:
         fields = self.ticks.dtype
         states = fields["state"].shape[0] if "state" in fields.names else 0
         several = [f"s0 ... s{states - 1}" if states > 1 else "s0"][:states]
         return ["t", "x", "y", "z", *(f"{kind}{axis}" for kind in ("force", "sent") for axis in ("", "_x", "_y", "_z")), "l0 ... l7",
                 *several, *(name for name in fields.names if name != "t" and fields[name].shape == ())]
 
-    def snaps(self):
+    def snaps(self) -> Any:
         """The ticks in which the model snapped."""
         import numpy
 
@@ -85,7 +87,7 @@ class Play:
             return numpy.flatnonzero(self.ticks["flags"] >> bit & 1)
         return numpy.zeros(0, int)
 
-    def label(self, name):
+    def label(self, name: str) -> str:
         """What an axis with this column says."""
         units = self.units
         kind, _, rest = name.rpartition("_")
@@ -102,7 +104,7 @@ class Play:
         return label(WORDS.get(name, name), unit)
 
 
-def beside(name):
+def beside(name: str) -> list[tuple[str, str]]:
     """The columns that are drawn when one is asked for, and what each is called. A force is drawn as the model gave it and
     as it was sent, so that what the safety core does is not taken for a property of the model."""
     kind, _, axis = name.rpartition("_")

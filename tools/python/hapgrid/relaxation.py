@@ -19,8 +19,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from operator import mul
-from typing import Any
+from typing import Any, TypeAlias
 
+Known: TypeAlias = list[tuple[list[float], list[float], float]]  # w, H w and 1 / (w H w) of directions
 REMEMBERED = 10  # steps that tell of the curvature
 ARMIJO = 1e-4
 ROUNDING = 1e-14  # of the energy: differences below this say nothing
@@ -60,7 +61,7 @@ def relax(energy_and_gradient: Callable[[Any], tuple[float, Any]] | Any, s: Any 
     Raises ArithmeticError where the descent cannot go on: the gradient is not that of the energy, or the energy has a
     crease. Raises ValueError for numbers that make no sense.
     """
-    atoms = energy_and_gradient if hasattr(energy_and_gradient, "get_potential_energy") else None
+    atoms: Any = energy_and_gradient if hasattr(energy_and_gradient, "get_potential_energy") else None
     if atoms is not None:
         energy_and_gradient, s = _of_atoms(atoms, s)
     if not (step > 0 and tolerance > 0 and (rounding is None or rounding >= 0)):
@@ -78,8 +79,8 @@ def relax(energy_and_gradient: Callable[[Any], tuple[float, Any]] | Any, s: Any 
 class _Trial:
     """A place at `part` of the way p, seen from where the way begins."""
 
-    def __init__(self, descent, p, part):
-        self.part, self.reach = part, part * max(map(abs, p))
+    def __init__(self, descent: _Descent, p: Sequence[float], part: float) -> None:
+        self.part, self.reach = part, part * _longest(p)
         self.place = [a + part * b for a, b in zip(descent.place, p)]
         self.energy, self.gradient = descent.evaluate(self.place)
         self.slope, self.behind = _dot(p, descent.gradient), _dot(p, self.gradient)
@@ -94,9 +95,11 @@ class _Trial:
 class _Descent:
     """Where the descent is. Lists of floats: for states of a few hundred numbers they are as fast as arrays."""
 
-    def __init__(self, function, shaped, place, step, tolerance, most):
+    def __init__(self, function: Callable[[Any], tuple[float, Any]], shaped: Callable[[list[float]], Any], place: list[float],
+                 step: float, tolerance: float, most: int) -> None:
         self.function, self.shaped, self.step, self.tolerance, self.left = function, shaped, step, tolerance, most
-        self.place, self.pairs = place, []  # of the last steps: how place and gradient changed, and 1 / their product
+        self.place = place
+        self.pairs: Known = []  # of the last steps: how place and gradient changed, and 1 / their product
         self.reach = step / 8  # of a trial when nothing is known of the curvature
         self.noise = 0.0  # of the energy, as far as it is known
         self.promised = 0.0  # how far the energy was to fall in the last step
@@ -104,7 +107,7 @@ class _Descent:
         if not math.isfinite(self.energy) or not all(map(math.isfinite, self.gradient)):
             raise ArithmeticError(f"relax(): energy {self.energy}, or its gradient, is not finite where it begins")
 
-    def evaluate(self, place):
+    def evaluate(self, place: list[float]) -> tuple[float, list[float]]:
         if self.left <= 0:
             raise ArithmeticError(f"relax(): the largest component of the gradient is still {self.largest():.3g} when all "
                                   "evaluations are made")
@@ -121,12 +124,12 @@ class _Descent:
         return energy, gradient
 
     def largest(self) -> float:
-        return max(map(abs, self.gradient), default=0.0)
+        return _longest(self.gradient)
 
-    def noise_at(self, energy) -> float:
+    def noise_at(self, energy: float) -> float:
         return max(self.noise, ROUNDING * max(abs(energy), abs(self.energy)))
 
-    def end(self):
+    def end(self) -> list[float]:
         """The place where nothing leads downhill any more: that with the smallest gradient since the energy fell."""
         lowest, stale, best = self.energy, 0, (self.largest(), self.place)
         while True:
@@ -144,7 +147,7 @@ class _Descent:
             if falls or largest < best[0]:
                 best = largest, self.place
 
-    def direction(self):
+    def direction(self) -> list[float]:
         """Downhill, and at most `step` long in each component."""
         p = [-a for a in self.gradient]
         weights = []
@@ -162,11 +165,11 @@ class _Descent:
         if self.pairs and not slope < -1e-6 * math.sqrt(_dot(p, p) * _dot(self.gradient, self.gradient)):
             self.pairs.clear()
             return self.direction()
-        longest = max(map(abs, p))
+        longest = _longest(p)
         bound = self.step if self.pairs else self.reach
         if self.pairs and longest > bound and -slope < CLOSE * math.sqrt(_dot(p, p) * _dot(self.gradient, self.gradient)):
             p = [-stretch * a for a in self.gradient]
-            longest = max(map(abs, p))
+            longest = _longest(p)
         if longest > bound or not self.pairs:
             p = [bound / longest * a for a in p]
         return p
@@ -174,7 +177,8 @@ class _Descent:
     def go_on(self) -> bool:
         """One step. False where none is left that the energy or its slopes can tell of."""
         p = self.direction()
-        part, refused = 1.0, []
+        part = 1.0
+        refused: list[_Trial] = []
         while part > SHORTEST:
             trial = _Trial(self, p, part)
             if trial.energy == self.energy and trial.gradient == self.gradient:
@@ -197,7 +201,7 @@ class _Descent:
         self.reach = self.step / 8
         return self.go_on()
 
-    def takes(self, trial) -> bool:
+    def takes(self, trial: _Trial) -> bool:
         if not (math.isfinite(trial.energy) and math.isfinite(trial.behind)):
             return False
         slope, behind, noise = trial.slope, trial.behind, self.noise_at(trial.energy)
@@ -208,7 +212,7 @@ class _Descent:
         explained = trial.unexplained <= trial.part * max(-slope, abs(behind)) / 2 + noise
         return trial.fall <= -ARMIJO * trial.promised + noise and explained
 
-    def is_noise(self, trial, refused) -> bool:
+    def is_noise(self, trial: _Trial, refused: list[_Trial]) -> bool:
         """Whether what the slopes do not explain in a short trial is noise, which is then known: it does not become less in
         shorter trials, as it would if the gradient were wrong, or the energy is the same to the last bit."""
         known = [longer.unexplained for longer in refused if longer.is_plain and longer.part >= 4 * trial.part
@@ -220,7 +224,7 @@ class _Descent:
             self.noise = max(self.noise, 2 * trial.unexplained, 2 * max(known))
         return self.noise > before
 
-    def look_for_fault(self, refused) -> None:
+    def look_for_fault(self, refused: list[_Trial]) -> None:
         """Raises ArithmeticError where the energy does something else than its slopes say, and less in shorter trials."""
         plain = [trial for trial in refused if trial.is_plain and trial.unexplained > trial.promised / 2][-PLAIN:]
         wrong = [trial.unexplained / trial.part for trial in plain]
@@ -229,7 +233,7 @@ class _Descent:
                 f"relax(): the energy changes by {plain[0].fall:.3g} in a step for which its gradient says "
                 f"{plain[0].part * (plain[0].slope + plain[0].behind) / 2:.3g}: it is not the gradient of the energy")
 
-    def look_for_crease(self, refused) -> None:
+    def look_for_crease(self, refused: list[_Trial]) -> None:
         """Raises ArithmeticError where the slope turns at a crease, along which the energy falls."""
         for trial in refused:
             if trial.reach < SMALL * self.step and trial.behind > -0.9 * trial.slope and (
@@ -242,7 +246,7 @@ class _Descent:
                     raise ArithmeticError(f"relax(): the gradient jumps, and the energy still falls by {along:.3g} for each "
                                           "unit of the state along the crease: make the energy smooth there")
 
-    def take(self, trial):
+    def take(self, trial: _Trial) -> None:
         moved = [a - b for a, b in zip(trial.place, self.place)]
         turned = [a - b for a, b in zip(trial.gradient, self.gradient)]
         product = _dot(moved, turned)
@@ -250,14 +254,14 @@ class _Descent:
             self.pairs = [*self.pairs[1 - REMEMBERED:], (moved, turned, 1 / product)]
         else:  # curved downwards, as on a barrier: what was known of the curvature is of no use
             self.pairs = []
-            self.reach = min(self.step, 2 * max(map(abs, moved)))
+            self.reach = min(self.step, 2 * _longest(moved))
         self.place, self.energy, self.gradient = trial.place, trial.energy, trial.gradient
         self.promised = trial.promised
 
     def leaves_top(self) -> bool:
         """Whether this is no minimum: the energy is curved downwards along a direction that is always the same, and that
         the steps have not told of. The descent is then beside it."""
-        known = []  # directions, as the curvature makes them independent of each other: w, H w and 1 / (w H w)
+        known: Known = []  # directions, as the curvature makes them independent of each other: w, H w and 1 / (w H w)
         fixed = [2 * ((i + 1) * GOLDEN % 1) - 1 for i in range(len(self.place))]
         for moved, turned, _ in reversed(self.pairs):
             way, turned = _conjugate(known, moved, turned)
@@ -266,7 +270,7 @@ class _Descent:
         way = fixed
         for _ in range(min(PROBES, len(self.place) - len(known))):
             way = _conjugate(known, way)[0]
-            longest = max(map(abs, way))
+            longest = _longest(way)
             if not longest > 0:
                 break
             size = math.copysign(NEAR * self.step / longest, _dot(way, fixed))
@@ -280,11 +284,11 @@ class _Descent:
             way = turned
         return False
 
-    def goes_along(self, way, trial) -> bool:
+    def goes_along(self, way: list[float], trial: _Trial) -> bool:
         """Whether the slope becomes larger than the tolerance along a way on which it falls ever more steeply."""
         steepest = trial.slope
         while trial.behind < steepest and trial.reach <= self.step:
-            if trial.behind < 0 and max(map(abs, trial.gradient)) > self.tolerance:
+            if trial.behind < 0 and _longest(trial.gradient) > self.tolerance:
                 self.pairs = []
                 self.take(trial)
                 return True
@@ -293,7 +297,7 @@ class _Descent:
         return False
 
 
-def _conjugate(known, way, turned=None):
+def _conjugate(known: Known, way: list[float], turned: list[float] | None = None) -> tuple[list[float], Any]:
     """`way`, and H way where it is given, without what is known already."""
     for w, hw, scale in known:
         weight = scale * _dot(hw, way)
@@ -302,7 +306,7 @@ def _conjugate(known, way, turned=None):
     return way, turned
 
 
-def _add(known, way, turned) -> bool:
+def _add(known: Known, way: list[float], turned: list[float]) -> bool:
     product = _dot(way, turned)
     if not product > 1e-10 * math.sqrt(_dot(way, way) * _dot(turned, turned)):
         return False
@@ -310,17 +314,21 @@ def _add(known, way, turned) -> bool:
     return True
 
 
+def _longest(way: Sequence[float]) -> float:
+    return max((abs(a) for a in way), default=0.0)
+
+
 def _dot(a: Sequence[float], b: Sequence[float]) -> float:
     return sum(map(mul, a, b))
 
 
-def _flat(numbers) -> list[float]:
+def _flat(numbers: Any) -> list[float]:
     if hasattr(numbers, "ravel"):
         return numbers.ravel().astype(float).tolist()
     return [float(a) for a in numbers]
 
 
-def _shaped(s):
+def _shaped(s: Any) -> tuple[Callable[[list[float]], Any], list[float]]:
     """A function that gives a list the form of `s`, and s as a list of floats."""
     try:
         place = _flat(s)
@@ -333,11 +341,11 @@ def _shaped(s):
     return (lambda place: numpy.array(place).reshape(s.shape)), place
 
 
-def _of_atoms(atoms, s):
+def _of_atoms(atoms: Any, s: Any) -> tuple[Callable[[Any], tuple[float, Any]], Any]:
     """Energy and gradient of ASE's atoms as a function of their positions, and where they begin."""
     import numpy
 
-    def energy_and_gradient(positions):
+    def energy_and_gradient(positions: Any) -> tuple[float, Any]:
         atoms.set_positions(numpy.reshape(positions, (-1, 3)))
         return atoms.get_potential_energy(), -atoms.get_forces()
 

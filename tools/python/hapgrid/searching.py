@@ -5,7 +5,7 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from hapgrid.files import model_words, program
@@ -14,9 +14,9 @@ BAR = 30  # characters
 UNITS = {"": 1, " k": 1e3, " M": 1e6, " G": 1e9, " T": 1e12}  # of the filters' numbers
 
 
-def search(definition: str | os.PathLike, output: str | os.PathLike | None = None, *, allow_process: bool = False,
+def search(definition: str | os.PathLike[str], output: str | os.PathLike[str] | None = None, *, allow_process: bool = False,
            processors: int | None = None, set: Mapping[str, Any] | None = None,
-           model_path: str | os.PathLike | None = None) -> str:
+           model_path: str | os.PathLike[str] | None = None) -> str:
     """Searches the grid of a definition, and returns the name of its file, for read().
 
     output          the file; by default the definition's name with .grid. What is there is replaced when the new grid is
@@ -47,7 +47,7 @@ def search(definition: str | os.PathLike, output: str | os.PathLike | None = Non
     return grid
 
 
-def _watch(command, seeds):
+def _watch(command: list[str], seeds: bytes) -> None:
     """Runs expand with a terminal of its own as standard error, because it shows progress often on a terminal alone."""
     show = _display()
     screen, terminal = os.openpty()
@@ -56,8 +56,8 @@ def _watch(command, seeds):
         os.close(terminal)
         try:
             try:
-                running.stdin.write(seeds)
-                running.stdin.close()
+                with running.stdin or open(os.devnull, "wb") as pipe:
+                    pipe.write(seeds)
             except BrokenPipeError:
                 pass  # it says why
             said = _show(screen, show)
@@ -73,7 +73,7 @@ def _watch(command, seeds):
         raise RuntimeError(said[-1] if said else f"expand ended with {running.returncode}")
 
 
-def _show(screen, show):
+def _show(screen: int, show: Callable[[str], object]) -> list[str]:
     """Shows the lines of progress until the end. Returns all other lines."""
     said, text = [], b""
     while True:
@@ -92,7 +92,7 @@ def _show(screen, show):
     return said
 
 
-def _part(line):
+def _part(line: str) -> tuple[float, str] | None:
     """How much of its round a line of progress has behind it, and what it says; None for any other line."""
     number = r"([0-9.]+)( [kMGT])?"
     found = re.search(f"{number} of {number} (conversions|one-way links)", line)
@@ -102,7 +102,7 @@ def _part(line):
     return min(1.0, done / all_of_them if all_of_them else 1.0), line.removeprefix("expand: ")
 
 
-def _display():
+def _display() -> Callable[[str], object]:
     """A function that shows one line in place of the one before. An empty one takes it away, but from a notebook, where
     the last one stays."""
     if "ipykernel" in sys.modules:
@@ -115,7 +115,7 @@ def _display():
     return lambda line: print("\r\033[K" + line + "\n" * line.endswith("done"), end="", file=sys.stderr, flush=True)
 
 
-def _toml(value) -> str:
+def _toml(value: Any) -> str:
     if hasattr(value, "tolist"):  # NumPy's arrays and numbers
         value = value.tolist()
     if isinstance(value, bool):

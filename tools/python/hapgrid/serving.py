@@ -53,9 +53,9 @@ def serve(model: Callable[..., Any]) -> None:
     os.dup2(2, 1)
     with open(os.devnull, encoding="utf-8") as nothing:
         os.dup2(nothing.fileno(), 0)
-    sys.stdout.reconfigure(line_buffering=True)
+    sys.stdout.reconfigure(line_buffering=True)  # type: ignore[attr-defined]
 
-    def say(*lines):
+    def say(*lines: dict[str, Any]) -> None:
         answers.write("".join(json.dumps(line, allow_nan=False, default=lambda array: array.tolist()) + "\n" for line in lines))
         answers.flush()
 
@@ -79,7 +79,7 @@ def serve(model: Callable[..., Any]) -> None:
 class _Served:
     """The user's object, and the answers that it gives."""
 
-    def __init__(self, served):
+    def __init__(self, served: Any) -> None:
         self.served = served
         self.has_many = hasattr(served, "convert_many")
         if not isinstance(getattr(served, "description", None), dict):
@@ -87,7 +87,7 @@ class _Served:
         if not (self.has_many or hasattr(served, "convert")):
             raise ValueError("the model has no function convert(s, x, d)")
         stored = [name for name in ("force", "energy", "shape") if hasattr(served, name)]
-        self.description = {"hapgrid": 1, "stored": stored, **served.description}
+        self.description: dict[str, Any] = {"hapgrid": 1, "stored": stored, **served.description}
         if self.has_many:
             self.description.setdefault("in_flight", IN_FLIGHT)
         self.stored = self.description["stored"]
@@ -97,14 +97,14 @@ class _Served:
         self.size = self.description.get("state_size")
         self.counts = {"s": self.size, "force": 3, "energy": 1, "shape": 3 * len(self.description.get("spheres", ()))}
 
-    def answer(self, question: dict) -> dict:
+    def answer(self, question: dict[str, Any]) -> dict[str, Any]:
         number, op = question.pop("id"), question.pop("op")
         try:
             return {"id": number, **getattr(self, "_" + op)(**question)}
         except Exception as error:
             return {"id": number, "error": _text(error)}
 
-    def answer_many(self, questions: list[dict]) -> list[dict]:
+    def answer_many(self, questions: list[dict[str, Any]]) -> list[dict[str, Any]]:
         """To questions for conversions alone. Where the model fails on them together, each is asked alone."""
         try:
             rows = self._convert_many(questions)
@@ -113,10 +113,10 @@ class _Served:
         except Exception:
             return [self.answer(question) for question in questions]
 
-    def _convert_many(self, questions):
+    def _convert_many(self, questions: list[dict[str, Any]]) -> list[dict[str, Any]]:
         return [row for i in range(0, len(questions), ROWS) for row in self._convert_block(questions[i:i + ROWS])]
 
-    def _convert_block(self, questions):
+    def _convert_block(self, questions: list[dict[str, Any]]) -> list[dict[str, Any]]:
         import numpy
 
         padded = questions + questions[-1:] * (ROWS - len(questions))
@@ -128,12 +128,12 @@ class _Served:
                                  f"{_shown(column)}")
         return [{key: column[i] for key, column in columns.items()} for i in range(len(questions))]
 
-    def _convert(self, s, x, d):
+    def _convert(self, s: Any, x: Any, d: Any) -> dict[str, Any]:
         if self.has_many:
             return self._reached(self._convert_many([{"s": s, "x": x, "d": d}])[0], x, d, "convert_many")
         return self._reached(self.served.convert(s, x, d), x, d, "convert")
 
-    def _reached(self, reached, x, d, name):
+    def _reached(self, reached: Any, x: Any, d: Any, name: str) -> dict[str, Any]:
         known = dict(reached) if isinstance(reached, dict) else {"s": reached}
         if "s" not in known:
             raise ValueError(f'{name}() returned a dict without "s"')
@@ -142,14 +142,14 @@ class _Served:
         there = [a + b for a, b in zip(x, d)]
         return {"s": known["s"], **self._evaluate(known.pop("s"), there, **known)}
 
-    def _evaluate(self, s, x, **known):
+    def _evaluate(self, s: Any, x: Any, **known: Any) -> dict[str, Any]:
         numbers = {name: known[name] if name in known else
                    _numbers(name, getattr(self.served, name)(list(s), list(x)), self.counts[name]) for name in self.stored}
         if "energy" in numbers:
             numbers["energy"] = numbers["energy"][0]
         return numbers
 
-    def _known_states(self, x):
+    def _known_states(self, x: Any) -> dict[str, Any]:
         states = self.served.known_states(x) if hasattr(self.served, "known_states") else []
         if not hasattr(states, "__iter__"):
             raise ValueError(f"known_states() must return a list of states, it returned {_shown(states)}")
@@ -171,7 +171,7 @@ def _numbers(name: str, value: Any, count: int | None, of: str = "") -> list[flo
     return numbers
 
 
-def _flat(value) -> Iterator:
+def _flat(value: Any) -> Iterator[Any]:
     if hasattr(value, "tolist"):
         value = value.tolist()
     if isinstance(value, (str, bytes, dict)):
@@ -188,7 +188,7 @@ def _shown(value: Any) -> str:
     return text if len(text) <= SHOWN else text[:SHOWN] + "..."
 
 
-def _arguments(model, parameters: dict) -> dict:
+def _arguments(model: Any, parameters: dict[str, Any]) -> dict[str, Any]:
     """The parameters as the model wants them. @raises ValueError that names those which it does not know, or misses."""
     known = inspect.signature(model).parameters.values()
     named = {p.name: p for p in known if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)}
@@ -202,7 +202,7 @@ def _arguments(model, parameters: dict) -> dict:
     return {key: _whole(value, named[key].default if key in named else None) for key, value in parameters.items()}
 
 
-def _whole(value, default):
+def _whole(value: Any, default: Any) -> Any:
     """Whole numbers as int, but not where the default says that it is a float."""
     if isinstance(value, list):
         like = default[0] if isinstance(default, (list, tuple)) and default else None
@@ -222,7 +222,7 @@ def _batches(questions: int) -> Iterator[list[str]]:
         yield [rest.decode("utf-8", "replace")]
 
 
-def _question(line: str, *keys: str) -> dict:
+def _question(line: str, *keys: str) -> dict[str, Any]:
     """A line of hapgrid's as a dict that has these keys. Any other line, of whoever tries the model by hand, ends the
     program with one line."""
     try:

@@ -12,6 +12,9 @@ import logging
 import os
 import unicodedata
 import warnings
+from collections.abc import Iterator
+from types import ModuleType
+from typing import Any
 
 BLUE, ORANGE, GREEN, PURPLE, BROWN, GREY = "#0072b2", "#c8500a", "#00805e", "#9a4f86", "#806000", "#6b6b6b"
 COLOURS = [BLUE, ORANGE, GREEN, PURPLE, BROWN, GREY]
@@ -36,7 +39,7 @@ STYLE = {
 }
 
 
-def matplotlib():
+def matplotlib() -> ModuleType:
     """The module. Raises ImportError, with the package to install, where it is not there."""
     logging.getLogger("matplotlib").setLevel(logging.ERROR)  # of its caches and fonts
     try:
@@ -48,7 +51,7 @@ def matplotlib():
 
 
 @contextlib.contextmanager
-def house_style():
+def house_style() -> Iterator[Any]:
     """What is drawn inside has the house style, whatever a user's own settings are."""
     module = matplotlib()
     with module.rc_context(), warnings.catch_warnings():
@@ -58,17 +61,17 @@ def house_style():
         yield module
 
 
-def figure(width: float = 6.2, height: float = 3.6):
+def figure(width: float = 6.2, height: float = 3.6) -> Any:
     """An empty figure; inches, of which the width of a PNG has 160 pixels each. A notebook shows it."""
     with house_style() as module:
-        class Figure(module.figure.Figure):
-            def _repr_png_(self):
+        class Figure(module.figure.Figure):  # type: ignore[misc, name-defined]
+            def _repr_png_(self) -> bytes:
                 return picture(self, "png")
 
         return Figure((width, height))
 
 
-def picture(drawn, kind: str) -> bytes:
+def picture(drawn: Any, kind: str) -> bytes:
     """A figure as the bytes of a file of this kind: "png", "svg" or "pdf"."""
     file = io.BytesIO()
     with house_style():
@@ -84,7 +87,7 @@ def kind_of(name: str) -> str:
     return FORMATS[ending]
 
 
-def save(drawn, name: str | os.PathLike) -> None:
+def save(drawn: Any, name: str | os.PathLike[str]) -> None:
     """Writes a figure as PNG, SVG or PDF, by the file's name; the file is whole, or as it was. Raises OSError, ValueError."""
     name = os.fspath(name)
     content = picture(drawn, kind_of(name))
@@ -134,7 +137,7 @@ def label(quantity: str, unit: str = "") -> str:
     return plain(f"{quantity} / {bracketed}" if unit else quantity)
 
 
-def legend(axes, columns: int = 0):
+def legend(axes: Any, columns: int = 0) -> None:
     """The legend above a plot where there is more than one thing to tell apart, so that it covers no curve."""
     names = axes.get_legend_handles_labels()[1]
     if len(names) > 1:
@@ -142,7 +145,7 @@ def legend(axes, columns: int = 0):
         axes.legend(loc="lower left", bbox_to_anchor=(0, 1.02), ncol=columns, columnspacing=1.4)
 
 
-def limits(axes, values) -> None:
+def limits(axes: Any, values: Any) -> None:
     """Limits of the vertical axis with some room. A curve that hardly changes is a straight line in the middle."""
     import numpy
 

@@ -1,8 +1,12 @@
 """hapgrid plot: pictures of grids and plays, by hapgrid.plot of the Python module."""
+from __future__ import annotations
+
 import argparse
 import os
 import signal
 import sys
+from collections.abc import Sequence
+from typing import NoReturn
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # its threads would only wait
 
@@ -43,11 +47,11 @@ class Wrong(Exception):
 
 
 class Parser(argparse.ArgumentParser):
-    def error(self, message):  # one line, as every other message
+    def error(self, message: str) -> NoReturn:  # one line, as every other message
         raise Wrong(message)
 
 
-def arguments(words):
+def arguments(words: Sequence[str]) -> argparse.Namespace:
     parser = Parser(prog="plot", usage="hapgrid plot PICTURE FILE... -o FILE [OPTION...]", description=ABOUT, epilog=KINDS,
                     allow_abbrev=False, add_help=False, formatter_class=lambda prog: argparse.RawDescriptionHelpFormatter(prog, width=80))
     parser.add_argument("picture", choices=["slice", "columns", "session", "error"], help=argparse.SUPPRESS)
@@ -72,7 +76,7 @@ def arguments(words):
     return checked(parser.parse_args(words))
 
 
-def checked(options):
+def checked(options: argparse.Namespace) -> argparse.Namespace:
     """The options, where each of them means something for the picture. Raises Wrong."""
     from hapgrid.style import kind_of
 
@@ -108,7 +112,7 @@ def checked(options):
     return options
 
 
-def draw(options):
+def draw(options: argparse.Namespace) -> None:
     from hapgrid import plot, style
 
     if options.picture == "slice":
@@ -119,7 +123,8 @@ def draw(options):
     elif options.picture == "session":
         figure = plot.session(options.files[0], options.grid, options.model_path)
     else:
-        more = [f"--{name}={value}" for name, value in (("allow-process", options.allow_process), ("model-path", options.model_path)) if value]
+        given = {"allow-process": options.allow_process, "model-path": options.model_path}
+        more = [f"--{name}={value}" for name, value in given.items() if value]
         figure = plot.error(options.files, walks=options.walks or 100, options=more)
     if options.output == "-":
         sys.stdout.buffer.write(style.picture(figure, "png"))
@@ -128,7 +133,7 @@ def draw(options):
         plot.save(figure, options.output)
 
 
-def main():
+def main() -> int:
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     signal.signal(signal.SIGPIPE, signal.SIG_DFL)
     try:

@@ -3,9 +3,13 @@
 Positions are flat: 3 numbers for each atom. Lengths are in bohr and energies in hartree.
 hapgrid.apps.molecule and the model of examples/xtb use it.
 """
+from __future__ import annotations
+
 import ctypes
 import os
 import tempfile
+from collections.abc import Sequence
+from typing import Any
 
 BOHR = 0.529177210903  # angstrom
 HARTREE = 2625.4996394799  # kJ/mol
@@ -18,7 +22,7 @@ ACCURACY = 0.01
 SURFACE = 2030
 
 
-def _rotation(w, x, y, z):
+def _rotation(w: float, x: float, y: float, z: float) -> list[list[float]]:
     """The rotation of a quaternion, as the rows of its matrix."""
     n = w * w + x * x + y * y + z * z
     rows = ((w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)),
@@ -35,7 +39,7 @@ TURN = _rotation(5**0.5, 1, 2**0.5, 3**0.5)
 BACK = [list(column) for column in zip(*TURN)]
 
 
-def _turned(rotation, flat):
+def _turned(rotation: Sequence[Sequence[float]], flat: Any) -> list[float]:
     """Flat vectors, each multiplied by the rotation."""
     return [a * flat[k] + b * flat[k + 1] + c * flat[k + 2]
             for k in range(0, len(flat), 3) for a, b, c in rotation]
@@ -45,7 +49,7 @@ class XtbError(ValueError):
     """xtb is missing, or did not compute a point."""
 
 
-def load():
+def load() -> ctypes.CDLL:
     """The C library. Raises XtbError where there is none."""
     # Threads add up sums in no fixed order. OpenMP reads this when the library is loaded.
     os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
@@ -58,7 +62,8 @@ def load():
 class Xtb:
     """One molecule. positions: GFN-FF reads its bonds off these and keeps them. solvent: of GBSA, as xtb names it."""
 
-    def __init__(self, numbers, positions, method, charge, unpaired=0, solvent=None):
+    def __init__(self, numbers: Sequence[int], positions: Any, method: str, charge: int, unpaired: int = 0,
+                 solvent: str | None = None) -> None:
         if method not in METHODS:
             raise XtbError(f"parameter method is {method}, it must be one of {', '.join(METHODS)}")
         self.library = load()
@@ -88,11 +93,11 @@ class Xtb:
         self.library.xtb_setAccuracy(self.environment, self.calculator, ctypes.c_double(ACCURACY))
         self._check(method)
 
-    def new_results(self):
+    def new_results(self) -> ctypes.c_void_p:
         """Results hold a wave function, from which the next SCF starts."""
         return self._new("Results")
 
-    def __call__(self, positions, results=None):
+    def __call__(self, positions: Any, results: ctypes.c_void_p | None = None) -> tuple[float, list[float]]:
         """The energy and its gradient, flat. Without results the SCF starts from a fresh guess, so
         that equal positions give equal bits, whatever was computed before."""
         energy, gradient = ctypes.c_double(), (ctypes.c_double * self.size)()
@@ -112,15 +117,15 @@ class Xtb:
                 self.library.xtb_delResults(ctypes.byref(results))
         return energy.value, _turned(BACK, gradient)
 
-    def _new(self, what, *arguments):
+    def _new(self, what: str, *arguments: Any) -> ctypes.c_void_p:
         create = getattr(self.library, "xtb_new" + what)
         create.restype = ctypes.c_void_p
         return ctypes.c_void_p(create(*arguments))
 
-    def _turned(self, positions):
+    def _turned(self, positions: Any) -> Any:
         return (ctypes.c_double * self.size)(*_turned(TURN, positions))
 
-    def _check(self, what):
+    def _check(self, what: str) -> None:
         if self.library.xtb_checkEnvironment(self.environment):
             text = ctypes.create_string_buffer(4096)
             self.library.xtb_getError(

@@ -1,9 +1,13 @@
 """The command line of a command that makes a grid."""
 
+from __future__ import annotations
+
 import argparse
 import os
 import re
 import sys
+from collections.abc import Callable, Sequence
+from typing import Any, NoReturn, TextIO
 
 from .files import Failed
 from .programs import Stopped, catch_signals
@@ -27,48 +31,49 @@ class BreaksRule(Failed):
 
 
 class Parser(argparse.ArgumentParser):
-    def __init__(self, **given):
+    def __init__(self, **given: Any) -> None:
         super().__init__(**given)
         # A word such as -1,0,0 is a value, and no option. argparse knows this of single numbers only.
         self._negative_number_matcher = re.compile(r"-\.?\d")
 
-    def error(self, message):  # one line, as every other message
+    def error(self, message: str) -> NoReturn:  # one line, as every other message
         raise UsageError(message + " (see --help)")
 
-    def add_output(self, threads):
+    def add_output(self, threads: str) -> None:
         """threads: what -j N is a number of."""
         self.add_argument("-o", "--output", type=folder, metavar="DIR", required=True, help="folder for all files")
         self.add_argument("-j", "--threads", type=number(1, 1024, int), metavar="N", default=1,
                           help=f"number of {threads}, which does not change the result (default: 1)")
 
-    def add_until(self, *steps):
+    def add_until(self, *steps: str) -> None:
         self.add_argument("--until", choices=steps, help="step after which the command stops")
         self.add_argument("-q", "--quiet", action="store_true", help="print no progress on standard error")
 
 
-def folder(text):
+def folder(text: str) -> str:
     if not text or os.path.exists(text) and not os.path.isdir(text):
         raise argparse.ArgumentTypeError(f"'{text}' is no folder")
     return text
 
 
-def formatter(prog):
+def formatter(prog: str) -> argparse.HelpFormatter:
     return argparse.RawDescriptionHelpFormatter(prog, width=80)
 
 
-def number(low, high, kind=float):
-    def read(text):
+def number(low: float, high: float, kind: Callable[[str], Any] = float) -> Callable[[str], Any]:
+    def read(text: str) -> Any:
         value = kind(text)
         if not low <= value <= high:
             raise argparse.ArgumentTypeError(f"must be from {low} to {high}")
         return value
-    read.__name__ = kind.__name__
+    read.__name__ = getattr(kind, "__name__", "")
     return read
 
 
-def guarded(command, parse, run, arguments):
+def guarded(command: str, parse: Callable[[Sequence[str]], argparse.Namespace], run: Callable[[argparse.Namespace], str],
+            arguments: Sequence[str]) -> int:
     """Runs a command and returns its exit code. parse(arguments) gives options, run(options) the line for standard output."""
-    def failed(why, code):
+    def failed(why: object, code: int) -> int:
         if code > 128 and sys.stderr.isatty():  # behind ^C
             print(file=sys.stderr)
         print(printable_line(f"{command}: {why}"), file=sys.stderr)
@@ -95,7 +100,7 @@ def guarded(command, parse, run, arguments):
     return 0
 
 
-def silenced():
+def silenced() -> TextIO:
     """Discards what libraries write to standard output from here on, and returns the real one. GFN-FF prints there, whatever
     its verbosity, some of it only when the process ends."""
     sys.stdout.flush()

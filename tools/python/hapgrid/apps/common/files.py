@@ -1,9 +1,13 @@
 """Files that are whole, and names that are safe."""
 
+from __future__ import annotations
+
 import hashlib
 import os
 import re
 import stat
+from collections.abc import Iterator
+from typing import TypeGuard
 
 MOST_BYTES = 64 << 30  # of a file of ours, such as a grid
 
@@ -12,7 +16,7 @@ class Failed(Exception):
     """What was asked for is not possible; the message is one line."""
 
 
-def write_whole(path, content):
+def write_whole(path: str, content: str | bytes) -> None:
     """Writes a file so that it is there in full, or as it was before. content: text or bytes."""
     beside = f"{path}.new.{os.getpid()}"
     try:
@@ -27,7 +31,7 @@ def write_whole(path, content):
         raise
 
 
-def pieces(path, most=MOST_BYTES):
+def pieces(path: str, most: int = MOST_BYTES) -> Iterator[bytes]:
     """The content of a file from outside, a MiB at a time. Errors: Failed, where it has more than `most` bytes, and where it is
     a device or a pipe, for which nobody would wait."""
     with open(path, "rb", opener=lambda path, flags: os.open(path, flags | os.O_NONBLOCK | os.O_NOCTTY)) as file:
@@ -41,11 +45,11 @@ def pieces(path, most=MOST_BYTES):
             yield piece
 
 
-def read_bytes(path, most):
+def read_bytes(path: str, most: int) -> bytes:
     return b"".join(pieces(path, most))
 
 
-def read_text(path, most=1 << 30):
+def read_text(path: str, most: int = 1 << 30) -> str:
     """With single line feeds. Errors: Failed, also where it is no text of UTF-8."""
     try:
         return read_bytes(path, most).decode().replace("\r\n", "\n").replace("\r", "\n")
@@ -53,7 +57,7 @@ def read_text(path, most=1 << 30):
         raise Failed(f"{path}: is no text: remove it") from None
 
 
-def remove(path):
+def remove(path: str) -> None:
     """Removes a file that may not be there."""
     try:
         os.remove(path)
@@ -61,7 +65,7 @@ def remove(path):
         pass
 
 
-def digest(path):
+def digest(path: str) -> str | None:
     """A hash of a file's bytes, None where there is none."""
     found = hashlib.sha256()
     try:
@@ -72,10 +76,10 @@ def digest(path):
     return found.hexdigest()[:24]
 
 
-def digest_of(content):
+def digest_of(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()[:24]
 
 
-def is_plain(name):
+def is_plain(name: object) -> TypeGuard[str]:
     """Whether this can be a file beside the others, whoever made the name. It needs no quotes anywhere."""
     return isinstance(name, str) and re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.+-]{0,199}", name) is not None

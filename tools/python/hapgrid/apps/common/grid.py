@@ -1,16 +1,20 @@
 """Computing and verifying a grid in the folder of a work.Work."""
 
+from __future__ import annotations
+
 import json
 import resource
 import time
+from typing import Any
 
 from . import files
 from .files import Failed
+from .work import Work
 
 FINE, BROKEN, NO_ACCURACY = 0, 3, 4  # exit codes of verify
 
 
-def compute(work, what, toml, grid, threads, seconds=None):
+def compute(work: Work, what: str, toml: str, grid: str, threads: int, seconds: float | None = None) -> tuple[str, str] | None:
     """Computes a grid, on which an interrupted run goes on: GRID and GRID.cost. what: it is, for the line of progress;
     seconds: about how long it takes, or None. Returns (why it cannot be done, as expand writes it to the file of --cost,
     the line that expand said), or None where it is done. Errors: Failed, where it is for no reason that expand writes."""
@@ -32,14 +36,14 @@ def compute(work, what, toml, grid, threads, seconds=None):
     return failed, ran.said
 
 
-def _costs(work, name):
+def _costs(work: Work, name: str) -> list[Any]:
     try:
         return [json.loads(line) for line in work.read(name).splitlines()]
     except FileNotFoundError:
         return []
 
 
-def cpu_seconds(work, grid):
+def cpu_seconds(work: Work, grid: str) -> float:
     """What a grid took. Errors: Failed"""
     try:
         return sum(float(line["cpu_seconds"]) for line in _costs(work, f"{grid}.cost"))
@@ -47,7 +51,7 @@ def cpu_seconds(work, grid):
         raise Failed(f"{work.path(grid)}.cost: is not what was written: remove it") from None
 
 
-def verify(work, what, grid, threads, seconds=None):
+def verify(work: Work, what: str, grid: str, threads: int, seconds: float | None = None) -> bool:
     """Verifies a grid, writes verify.txt, and returns whether it has no fault. seconds: as compute() has them."""
     ran = work.run("verify", grid, "-v", "-j", threads, good=(FINE, BROKEN, NO_ACCURACY),
                    watch=lambda gone: work.waiting(what, gone, seconds))
@@ -57,10 +61,10 @@ def verify(work, what, grid, threads, seconds=None):
     return ran.code != BROKEN
 
 
-def estimated(work, toml, threads, steps=300, seconds=3):
+def estimated(work: Work, toml: str, threads: int, steps: int = 300, seconds: float = 3) -> float | None:
     """Seconds that a grid takes on free cores, within a factor of 2 or so: by walking about in it. None where the report has
     a broken check, and so no estimate."""
-    def cpu():
+    def cpu() -> float:
         used = resource.getrusage(resource.RUSAGE_CHILDREN)
         return used.ru_utime + used.ru_stime
     begun, before = time.monotonic(), cpu()

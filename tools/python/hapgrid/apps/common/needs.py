@@ -1,13 +1,16 @@
 """What a command needs beside hapgrid. It is looked for before anything begins: a run can take hours."""
 
+from __future__ import annotations
+
 import ctypes
 import importlib.util
 import os
 import shutil
 import sys
+from collections.abc import Sequence
 
 
-def _loads(library):
+def _loads(library: str) -> bool:
     """In a process of its own: here it would read its settings, such as the number of threads, before they are made."""
     child = os.fork()
     if child == 0:
@@ -19,7 +22,8 @@ def _loads(library):
     return os.waitpid(child, 0)[1] == 0
 
 
-def look_for(command, arguments, modules, libraries=(), programs=()):
+def look_for(command: str, arguments: Sequence[str], modules: Sequence[str], libraries: Sequence[tuple[str, str]] = (),
+             programs: Sequence[tuple[str, str]] = ()) -> None:
     """Ends the command with one line that names what is missing, Debian's packages, and the extra by which pip gets modules.
     modules: of Python, besides those that draw, which a run with --until does without; libraries, programs: (file, package)."""
     if {"-h", "--help"} & set(arguments):

@@ -1,11 +1,13 @@
 """The house style of hapgrid's plots."""
 
+from types import ModuleType
+
 from hapgrid import style as house
 
 from .files import Failed
 
 
-def style():
+def style() -> ModuleType:
     """The module hapgrid.style. Errors: Failed, where matplotlib is not there."""
     try:
         house.matplotlib()

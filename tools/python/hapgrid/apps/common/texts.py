@@ -11,18 +11,18 @@ _IGNORABLE = {0x34F, 0x115F, 0x1160, 0x17B4, 0x17B5, 0x3164, 0xFFA0, *range(0x18
               *range(0xFFF0, 0xFFF9), *range(0xE0000, 0xE1000)}
 
 
-def _shown(character):
+def _shown(character: str) -> str:
     if character < " " or character == "\x7f":
         return " "
     unseen = unicodedata.category(character) in ("Cc", "Cf", "Cs", "Zl", "Zp") or ord(character) in _IGNORABLE
     return "?" if unseen else character
 
 
-def printable_line(text):
+def printable_line(text: str) -> str:
     """The text as one line; a control character is a space, what cannot be seen is a question mark."""
     return "".join(map(_shown, text))
 
 
-def printable_text(text):
+def printable_text(text: str) -> str:
     """The same for several lines."""
     return "\n".join(map(printable_line, text.split("\n")))

@@ -7,6 +7,8 @@ The folder can be renamed and copied: nothing in it has its name, and it may com
 no file in it can name one outside of it, and what is kept in .work counts only if it has the right form.
 """
 
+from __future__ import annotations
+
 import fcntl
 import functools
 import json
@@ -16,38 +18,43 @@ import shlex
 import shutil
 import sys
 import time
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from typing import Any, TypeVar
 
 from hapgrid.files import FILTERS
 
 from . import files
 from .files import Failed, digest, digest_of
-from .programs import run_program
+from .programs import Ran, Watch, run_program
 from .texts import printable_line
+
+Value = TypeVar("Value")
+Answer = TypeVar("Answer")
 
 # What a command that was killed leaves behind, its own and its filters' files.
 UNFINISHED = re.compile(r"\.(choice|room|way-|single-|records\.|hapgrid\.).*|.*\.new\.\d+")
 MOST_KEPT = 64 << 20  # bytes of a file of .work
 
 
-class Kept:
+class Cache:
     """Results that are kept as JSON files, by their names."""
 
-    def __init__(self, directory):
+    def __init__(self, directory: str) -> None:
         self.directory = directory
 
-    def get(self, name):
+    def get(self, name: str) -> Any:
         """What was kept under a name, or None."""
         try:
             return json.loads(files.read_bytes(os.path.join(self.directory, name + ".json"), MOST_KEPT))
         except (FileNotFoundError, ValueError, RecursionError):
             return None
 
-    def put(self, name, value):
+    def put(self, name: str, value: Any) -> None:
         os.makedirs(self.directory, exist_ok=True)
         files.write_whole(os.path.join(self.directory, name + ".json"), json.dumps(value))
 
-    def take(self, key, compute, read):
+    def take(self, key: Any, compute: Callable[[], Any], read: Callable[[Any], Value]) -> Value:
         """read() of the value that was kept under a key, or else of compute(). read: raises ValueError or TypeError where a
         value has another form."""
         name = digest_of(json.dumps(key, sort_keys=True).encode())
@@ -62,17 +69,17 @@ class Kept:
 class Work:
     """command: as messages begin."""
 
-    def __init__(self, command, directory, quiet):
+    def __init__(self, command: str, directory: str, quiet: bool) -> None:
         self.command, self.directory, self.quiet = command, directory, quiet
         self.filters = os.environ.get("HAPGRID_BIN") or FILTERS
         self.started = time.monotonic()
         self.line = False
-        self.kept = Kept(self.path(".work"))  # the one cache
-        self._lock = None
+        self.cache = Cache(self.path(".work"))  # the one cache
+        self._lock: int | None = None
         if os.path.isdir(directory):
             self.enter()
 
-    def enter(self):
+    def enter(self) -> None:
         """Makes the folder where there is none, and waits until no other run works in it. What a run that was killed
         has left is removed. A link would let a stranger's folder write outside of it."""
         if self._lock is not None:
@@ -86,34 +93,34 @@ class Work:
             fcntl.flock(self._lock, fcntl.LOCK_EX)
         except OSError as e:  # a file system without locks
             self.say(f"{self.directory} cannot be locked ({e.strerror}): let one run at a time work there")
-        for directory in (self.directory, self.kept.directory):
+        for directory in (self.directory, self.cache.directory):
             for one in os.scandir(directory) if os.path.isdir(directory) else ():
                 if one.is_symlink():
                     raise Failed(f"{one.path}: is a link, which a folder of results must not have: remove it")
                 if UNFINISHED.fullmatch(one.name):
                     shutil.rmtree(one.path) if one.is_dir() else os.remove(one.path)
 
-    def name(self):
+    def name(self) -> str:
         """Of the grid and its definition: that of the folder when it was new, whatever it is called since."""
-        kept = self.kept.get("name")
+        kept = self.cache.get("name")
         if not files.is_plain(kept):
             kept = os.path.basename(os.path.realpath(self.directory))
             kept = kept if files.is_plain(kept) else self.command
             if os.path.isdir(self.directory):
-                self.kept.put("name", kept)
+                self.cache.put("name", kept)
         return kept
 
     # Files
 
-    def path(self, name):
+    def path(self, name: str) -> str:
         return os.path.join(self.directory, name)
 
-    def in_shell(self, name):
+    def in_shell(self, name: str) -> str:
         """The path of a file for a shell's command line, never an option."""
         path = self.path(name)
         return shlex.quote(f"./{path}" if path.startswith("-") else path)
 
-    def launcher(self):
+    def launcher(self) -> str:
         """The program hapgrid as a shell finds it: by its plain name, or by its path."""
         mine = os.path.join(self.filters, "hapgrid")
         found = shutil.which("hapgrid")
@@ -122,28 +129,28 @@ class Work:
         here, whole = os.path.relpath(mine), os.path.abspath(mine)
         return shlex.quote(here if len(here) < len(whole) else whole)
 
-    def read(self, name):
+    def read(self, name: str) -> str:
         return files.read_text(self.path(name))
 
-    def write(self, name, content):
+    def write(self, name: str, content: str | bytes) -> None:
         files.write_whole(self.path(name), content)
 
-    def digest(self, name):
+    def digest(self, name: str) -> str | None:
         return digest(self.path(name))
 
     # What is said
 
-    def say(self, text):
+    def say(self, text: str) -> None:
         self._clear()
         if not self.quiet:
             print(printable_line(f"{self.command}: {time.monotonic() - self.started:5.0f} s  {text}"), file=sys.stderr,
                   flush=True)
 
-    def counted(self, what, total):
+    def counted(self, what: str, total: int) -> Callable[[int], None]:
         """tell(n) for what is done in `total` parts."""
         began = time.monotonic()
 
-        def tell(done):
+        def tell(done: int) -> None:
             left = ""
             if 0 < done < total:
                 left = f", about {duration((time.monotonic() - began) / done * (total - done))} left"
@@ -151,14 +158,14 @@ class Work:
         tell(0)
         return tell
 
-    def waiting(self, what, gone, expected):
+    def waiting(self, what: str, gone: float, expected: float | None) -> None:
         """The same for one long computation. Seconds; expected: of all of it, or None."""
         left = f", {duration(gone)}"
         if expected:
             left += f", about {duration(expected - gone)} left" if expected > gone else ", longer than expected"
         self._write_over(what + left)
 
-    def _write_over(self, text):
+    def _write_over(self, text: str) -> None:
         """A line that is written over, where somebody watches."""
         if self.quiet or not sys.stderr.isatty():
             return
@@ -167,7 +174,7 @@ class Work:
         print(f"\r\033[K{line}", end="", file=sys.stderr, flush=True)
         self.line = True
 
-    def _clear(self):
+    def _clear(self) -> None:
         if self.line:
             print("\r\033[K", end="", file=sys.stderr)
         self.line = False
@@ -175,36 +182,36 @@ class Work:
     # What was computed
 
     @functools.cached_property
-    def version(self):
+    def version(self) -> list[str]:
         """Of hapgrid: that of the filters, and the sources of this command. Another one computes anew."""
         packages = [m for name, m in sys.modules.items() if name.startswith("hapgrid.apps") and hasattr(m, "__path__")]
         names = [os.path.join(package.__path__[0], name) for package in packages for name in os.listdir(package.__path__[0])]
-        sources = sorted(digest(name) for name in names if os.path.isfile(name))
+        sources = sorted(digest(name) or "" for name in names if os.path.isfile(name))
         return [self.run("seed", "--version").out, digest_of(json.dumps(sources).encode())]
 
-    def recall(self, name, key):
+    def recall(self, name: str, key: Any) -> Any:
         """What was remembered for this key, or None."""
-        kept = self.kept.get(name)
+        kept = self.cache.get(name)
         sound = isinstance(kept, dict) and kept.get("key") == [self.version, key] and "value" in kept
         return kept["value"] if sound else None
 
-    def remember(self, name, key, value):
-        self.kept.put(name, {"key": [self.version, key], "value": value})
+    def remember(self, name: str, key: Any, value: Any) -> None:
+        self.cache.put(name, {"key": [self.version, key], "value": value})
 
-    def _record(self, step):
+    def _record(self, step: str) -> tuple[str | None, dict[str, Any]]:
         """(key, {file that was made: its digest})"""
-        kept = self.kept.get("stage-" + step)
+        kept = self.cache.get("stage-" + step)
         key, made = (kept.get("key"), kept.get("made")) if isinstance(kept, dict) else (None, None)
         if not isinstance(made, dict) or not all(map(files.is_plain, made)):
             return None, {}
         return key, made
 
-    def changed_by_hand(self, name, step="definition"):
+    def changed_by_hand(self, name: str, step: str = "definition") -> bool:
         """Whether a file that a step made was changed since."""
         made = self._record(step)[1]
         return name in made and os.path.exists(self.path(name)) and self.digest(name) != made[name]
 
-    def step(self, step, title, inputs, options, compute):
+    def step(self, step: str, title: str, inputs: Iterable[str], options: Any, compute: Callable[[], Any]) -> Any:
         """Makes files by compute(), which returns their names, unless they are there. What else compute() returns is
         returned, and nothing is kept. inputs: names of files; options: what else decides the result."""
         read = {name: self.digest(name) for name in inputs}
@@ -217,15 +224,16 @@ class Work:
         names = compute()
         if not isinstance(names, list):
             return names
-        self.kept.put("stage-" + step, {"key": key, "made": {name: self.digest(name) for name in names}})
+        self.cache.put("stage-" + step, {"key": key, "made": {name: self.digest(name) for name in names}})
         return None
 
-    def made(self, step):
+    def made(self, step: str) -> list[str]:
         return list(self._record(step)[1])
 
     # Programs
 
-    def run(self, program, *arguments, good=(0,), watch=None, package=""):
+    def run(self, program: str | list[str], *arguments: object, good: Sequence[int] = (0,), watch: Watch | None = None,
+            package: str = "") -> Ran:
         """The Ran of a filter, which is given by its plain name, or of another program of a Debian package, as a list of its
         first words. It runs in the folder. watch: of run_program(). Errors: Failed, when the exit code is not among the
         good ones."""
@@ -241,7 +249,7 @@ class Work:
             raise Failed(ran.fault(os.path.basename(words[0])))
         return ran
 
-    def feel_page(self, grid):
+    def feel_page(self, grid: str) -> list[str]:
         """Makes feel.html, which plays a grid by itself. [its name], or [] where there can be none, since it would be too
         large for instance, and that is said."""
         if os.path.lexists(self.path("feel.html")):
@@ -251,7 +259,7 @@ class Work:
             self.say(f"no feel.html: {ran.fault('view')}")
         return [] if ran.code else ["feel.html"]
 
-    def each(self, what, compute, values, threads):
+    def each(self, what: str, compute: Callable[[Value], Answer], values: Sequence[Value], threads: int) -> list[Answer]:
         """[compute(value)] of several values, so many at a time. what: they are, for the line of progress."""
         tell, out = self.counted(what, len(values)), []
         with ThreadPoolExecutor(threads) as pool:
@@ -261,12 +269,12 @@ class Work:
         return out
 
 
-def about(seconds, cores):
+def about(seconds: float, cores: int) -> str:
     """What a computation of so many seconds takes, in words. Nobody knows what else the machine will do."""
     return f"about {duration(seconds)} on " + ("a free core" if cores == 1 else f"{cores} free cores")
 
 
-def duration(seconds):
+def duration(seconds: float) -> str:
     """As people say it."""
     if seconds < 90:
         return f"{max(seconds, 1):.0f} s"

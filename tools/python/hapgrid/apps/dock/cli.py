@@ -1,6 +1,10 @@
 """The command line of `hapgrid dock`."""
 
+from __future__ import annotations
+
 import argparse
+from argparse import Namespace
+from collections.abc import Callable, Sequence
 
 from hapgrid.apps.common.cli import EXIT_CODES, Parser, formatter, guarded, number
 
@@ -38,8 +42,8 @@ examples:
 """
 
 
-def three(low, high):
-    def read(text):
+def three(low: float, high: float) -> Callable[[str], list[float]]:
+    def read(text: str) -> list[float]:
         try:
             values = [float(word) for word in text.split(",")]
         except ValueError:
@@ -50,7 +54,7 @@ def three(low, high):
     return read
 
 
-def parser():
+def parser() -> Parser:
     p = Parser(prog="hapgrid dock", description=ABOUT, epilog=AFTERWARDS, formatter_class=formatter,
                allow_abbrev=False, usage="hapgrid dock HOST LIGAND -o DIR [options]")
     p.add_argument("host", metavar="HOST", help="file of the host, or .fld of its maps")
@@ -74,10 +78,10 @@ def parser():
     return p
 
 
-def run(options):
-    from . import course  # wants numpy, and --help does not
-    return course.run(options)
+def run(options: Namespace) -> str:
+    from . import steps  # wants numpy, and --help does not
+    return steps.run(options)
 
 
-def main(arguments):
+def main(arguments: Sequence[str]) -> int:
     return guarded("dock", parser().parse_args, run, arguments)

@@ -1,18 +1,23 @@
 """The maps that a user has already, by their .fld file."""
 
+from __future__ import annotations
+
 import os
 
 import numpy as np
+from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import Failed, read_bytes
 from hapgrid.apps.table import readers
+from hapgrid.apps.table.readers import Table
 
 from . import maps
+from .maps import Atoms
 
 LABELS = {"Electrostatics": "e", "Desolvation": "d"}
 OUTSIDE = 20.0  # kcal/(mol angstrom^2): an atom at a distance r from the maps has r^2 times it
 
 
-def files(path):
+def files(path: str) -> dict[str, str]:
     """{name of a map: its file}"""
     lines = _lines(path, 1 << 20)
     labels = [line.split("#")[0].partition("=")[2].strip() for line in lines if line.startswith("label=")]
@@ -27,20 +32,28 @@ def files(path):
             for label, one in zip(labels, named)}
 
 
-def read(path, ligand):
+def read(path: str, ligand: Atoms) -> tuple[list[str], list[Table]]:
     """(names, tables) of the maps for the ligand's types of atoms, of charge and of desolvation."""
     known = files(path)
     names, tables = [*maps.kinds_of(ligand), "e", "d"], []
     for name in names:
+        if name not in known and not {"e", "d"} & set(known):
+            raise Failed(f"{path}: it has no maps of charge and desolvation: Vina's own maps have none. AutoGrid makes what is needed, "
+                         "from the host's file")
         if name not in known:
             raise Failed(f"{path}: there is no map {name}, which an atom of the ligand needs")
         tables.append(_map(known[name]))
-        if tables[-1].values.shape != tables[0].values.shape or not np.allclose(tables[-1].origin, tables[0].origin):
-            raise Failed(f"{path}: its maps have different points")
+        if tables[-1].values.shape != tables[0].values.shape or not (
+                np.allclose(tables[-1].origin, tables[0].origin) and np.allclose(tables[-1].axes, tables[0].axes)):
+            raise Failed(f"{path}: its maps have different points: {name} {_box(tables[-1])}, {names[0]} {_box(tables[0])}")
     return names, tables
 
 
-def host(path):
+def _box(table: Table) -> str:
+    return f"{'x'.join(map(str, table.values.shape))} from {','.join(f'{v:g}' for v in table.origin)}, {table.axes[0, 0]:g} angstrom apart"
+
+
+def host(path: str) -> Atoms:
     """The host's atoms, for pictures: none where its file is not there."""
     named = [line.split()[1] for line in _lines(path, 1 << 20) if line.startswith("#MACROMOLECULE ") and len(line.split()) == 2]
     beside = os.path.join(os.path.dirname(path), os.path.basename(named[0])) if named else ""
@@ -49,18 +62,18 @@ def host(path):
     return maps.atoms("\n".join(_lines(beside, maps.MOST_BYTES)), beside)
 
 
-def _lines(path, most):
+def _lines(path: str, most: int) -> list[str]:
     return read_bytes(path, most).decode("utf-8", "replace").splitlines()
 
 
-def _map(path):
+def _map(path: str) -> Table:
     data = read_bytes(path, maps.MOST_BYTES)
     table = readers.behind_walls(path, lambda: readers.read_map(data.decode("utf-8", "replace")))
     table.values = np.nan_to_num(table.values, nan=readers.CAPPED)
     return table
 
 
-def fitted(table, low, high):
+def fitted(table: Table, low: Array, high: Array) -> Table:
     """A map from `low` to `high`, in whole steps. Beyond its edge it has the value there and an energy that grows with
     the square of the distance, so that the ligand's atoms stay inside."""
     h = table.axes[0, 0]

@@ -1,15 +1,22 @@
 """What Open Babel and AutoGrid, both of Debian, make of a host and a ligand."""
 
+from __future__ import annotations
+
 import os
 import tempfile
+from typing import TypeAlias
 
 import numpy as np
-from hapgrid.apps.common import confined
+from hapgrid.apps.common import sandbox
+from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import Failed, read_bytes, read_text, write_whole
-from hapgrid.apps.table import course, readers
+from hapgrid.apps.common.work import Work
+from hapgrid.apps.table import readers, steps
+from hapgrid.apps.table.readers import Table
 
-from . import pqr
+from . import pqr, prepare
 
+Atoms: TypeAlias = list[tuple[str, Array, float]]  # type, place and charge
 MOST_HOST, MOST_LIGAND = 20_000, 200  # atoms
 MOST_BY_ATOMS = 500  # of a host without maps (ligand.hpp)
 MOST_REMARKS = 2000  # lines
@@ -18,13 +25,19 @@ MOST_AUTOGRID = 7200  # seconds of CPU time: twenty thousand atoms and the large
 MOST_CELLS = 126  # of a map along an axis: AutoGrid has no more
 
 
-def pdbqt(work, given, name, most):
-    """Writes NAME.pdbqt from a file that Open Babel reads."""
+def pdbqt(work: Work, given: str, name: str, most: int) -> Atoms:
+    """Writes NAME.pdbqt from a file that Open Babel reads, and says what its user must know of it."""
     stem, kind = os.path.splitext(given.lower())
     data = read_bytes(given, MOST_BYTES)
     if kind == ".gz":
         kind, data = os.path.splitext(stem)[1], readers.inflated(data, 31, MOST_BYTES)
+    if kind == ".map":
+        raise Failed(f"{given}: one map is no {name}: give the .maps.fld of AutoGrid's maps, or the file of its atoms. Vina's own "
+                     "maps have neither charges nor desolvation")
     text = data.decode("utf-8", "replace").replace("\r\n", "\n").replace("\r", "\n")
+    if kind in (".pdb", ".ent", ".pqr") or kind == ".pdbqt" and name == "host":
+        text = prepare.without_others(text, given, work.say, has_alternates=kind != ".pqr")
+        data = text.encode()
     if kind != ".pdbqt":
         lines = text.splitlines()
         counted = sum(line.startswith(("ATOM", "HETATM")) for line in lines) or len(lines) - MOST_REMARKS
@@ -39,24 +52,39 @@ def pdbqt(work, given, name, most):
                      "method has no charge for an element: give a .mol2 or .pdbqt with charges")
     if len(found) > most:
         raise Failed(f"{given}: {len(found):,} atoms, at most {most:,} are possible")
-    if all(charge == 0 for _, _, charge in found):
-        raise Failed(f"{given}: no atom has a charge")
+    if name == "ligand" and len(found) < 2:
+        raise Failed(f"{given}: one atom cannot turn: `hapgrid table` makes a grid of a map")
+    prepare.require_known(found, given)
     if len(found) > 1 and not np.ptp([place for _, place, _ in found], axis=0).any():
-        raise Failed(f"{given}: all atoms lie at one place: `obabel --gen3d` makes coordinates")
+        raise Failed(f"{given}: all atoms lie at one place: it has no coordinates, `obabel --gen3d` makes some")
+    if len(found) > 1 and all(charge == 0 for _, _, charge in found):
+        raise Failed(f"{given}: no atom has a charge")
+    if name == "ligand" and kind not in (".pdbqt", ".pqr"):
+        _remark_on_missing(work, given, data, kind)
+    prepare.remark_on_hydrogens(found, given, work.say)
     return found
 
 
-def _converted(given, data, kind, name):
+def _remark_on_missing(work: Work, given: str, data: bytes, kind: str) -> None:
+    """Says of a file without hydrogens that it lacks some."""
+    def hydrogens(*options: str) -> int:
+        ran = sandbox.program(["obabel", f"-i{kind[1:]}", "-oxyz", "-l1", *options], given, "openbabel", data)
+        return sum(line.split()[:1] == ["H"] for line in ran.out.splitlines())
+    if hydrogens() == 0 and (lacking := hydrogens("-h")):
+        work.say(f"  {given}: it has no hydrogens, and lacks {lacking}: `obabel -h` adds them")
+
+
+def _converted(given: str, data: bytes, kind: str, name: str) -> str:
     """What Open Babel makes of a file's content."""
     charges = [] if kind == ".mol2" else ["--partialcharge", "gasteiger"]
     rigid = ["-xr"] if name == "host" else []
-    ran = confined.program(["obabel", f"-i{kind[1:]}", "-opdbqt", *rigid, *charges], given, "openbabel", data)
+    ran = sandbox.program(["obabel", f"-i{kind[1:]}", "-opdbqt", *rigid, *charges], given, "openbabel", data)
     if ran.code != 0:
         raise Failed(f"{given}: {ran.fault('obabel')}")
     return ran.out
 
 
-def _keep_first(work, given, name):
+def _keep_first(work: Work, given: str, name: str) -> None:
     """Of several molecules, or several poses of one, the first is taken."""
     first, end, rest = work.read(name).partition("ENDMDL")
     if end:
@@ -65,7 +93,7 @@ def _keep_first(work, given, name):
         work.say(f"  {given} has several molecules or poses: the first is taken")
 
 
-def atoms(text, given):
+def atoms(text: str, given: str) -> Atoms:
     """[(type, place, charge)] of a PDBQT text."""
     found = []
     try:
@@ -80,11 +108,11 @@ def atoms(text, given):
     return found
 
 
-def kinds_of(ligand):
+def kinds_of(ligand: Atoms) -> list[str]:
     return sorted({kind for kind, _, _ in ligand})
 
 
-def reach(ligand, text, bends):
+def reach(ligand: Atoms, text: str, bends: bool) -> float:
     """How far an atom can be from the ligand's centre, at most, in angstrom. text: of the ligand's PDBQT; bends: whether
     its bonds turn."""
     places = np.array([place for _, place, _ in ligand])
@@ -92,7 +120,9 @@ def reach(ligand, text, bends):
         return np.linalg.norm(places - places.mean(axis=0), axis=1).max()
     # A piece in which nothing turns begins with the bond that carries it. Between pieces an atom is no farther than along
     # the bonds that carry them, whatever their angles.
-    pieces, opened, numbers = [[]], [0], {}
+    pieces: list[list[int]] = [[]]
+    opened = [0]
+    numbers: dict[str, int] = {}
     for line in text.splitlines():
         if line.startswith("BRANCH"):
             pieces.append([numbers.get("".join(line.split()[1:2]), 0)])
@@ -113,7 +143,7 @@ def reach(ligand, text, bends):
     return away.mean(axis=1).max()
 
 
-def compute(work, host, ligand, low, high, spacing):
+def compute(work: Work, host: Atoms, ligand: Atoms, low: Array, high: Array, spacing: float) -> list[str]:
     """Runs autogrid4 for a box from `low` to `high`. Returns the files that it made."""
     cells = np.ceil((high - low) / spacing / 2).astype(int) * 2
     if cells.max() > MOST_CELLS:
@@ -132,8 +162,8 @@ def compute(work, host, ligand, low, high, spacing):
         atoms = "".join(line[:79] + "\n" for line in work.read("host.pdbqt").splitlines() if line.startswith(("ATOM", "HETATM")))
         write_whole(os.path.join(room, "host.pdbqt"), atoms)
         write_whole(os.path.join(room, "host.gpf"), work.read("host.gpf"))
-        ran = confined.program(["autogrid4", "-p", "host.gpf", "-l", "host.glg"], "host.pdbqt", "autogrid, or give --atoms, for a small host",
-                               folder=room, cpu_seconds=MOST_AUTOGRID)
+        ran = sandbox.program(["autogrid4", "-p", "host.gpf", "-l", "host.glg"], "host.pdbqt",
+                              "autogrid, or give --atoms, for a small host", folder=room, cpu_seconds=MOST_AUTOGRID)
         texts = {name: read_text(os.path.join(room, name)) for name in made if os.path.lexists(os.path.join(room, name))}
     wrong = [line.strip() for line in texts.get("host.glg", "").splitlines() if "ERROR" in line]
     if ran.code != 0 or len(texts) < len(made):
@@ -143,10 +173,10 @@ def compute(work, host, ligand, low, high, spacing):
     return ["host.gpf", *made]
 
 
-def write(work, names, tables, host, low, high):
+def write(work: Work, names: list[str], tables: list[Table], host: Atoms, low: Array, high: Array) -> list[str]:
     """Writes the tables for the plug-in. The first one carries the host's atoms near the box, for pictures."""
     tables[0].atoms = [(kind, place) for kind, place, _ in host if (place > low - 4).all() and (place < high + 4).all()]
     files = [f"host.{name}.table" for name in names]
     for file, table in zip(files, tables):
-        work.write(file, course.table_text(table))
+        work.write(file, steps.table_text(table))
     return files

@@ -1,7 +1,12 @@
 """A protein or nucleic acid as PDB2PQR writes it, .pqr, with AutoDock's types of atoms. Open Babel gives the
 charged groups of proteins no charge, so that it cannot make their PDBQT."""
 
+from __future__ import annotations
+
+import re
+
 import numpy as np
+from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import Failed
 
 BOND = 1.45  # angstrom: a hydrogen is no farther from its atom, which may be sulphur
@@ -11,9 +16,9 @@ BASES = ("A", "C", "G", "U", "T", "DA", "DC", "DG", "DT")
 METALS = ("MG", "ZN", "MN", "FE")
 
 
-def pdbqt(text, given):
+def pdbqt(text: str, given: str) -> str:
     """The text of a PDBQT file. Hydrogens of carbon become a part of their atom, as AutoDock has them."""
-    atoms = [_atom(line.split(), given) for line in text.splitlines() if line.startswith(("ATOM", "HETATM"))]
+    atoms = [_atom(line, given) for line in text.splitlines() if line.startswith(("ATOM", "HETATM"))]
     heavy = [n for n, (element, *_) in enumerate(atoms) if element != "H"]
     if not heavy:
         raise Failed(f"{given}: it has no atoms")
@@ -30,7 +35,7 @@ def pdbqt(text, given):
         if atoms[bound[n]][0] == "C":
             charges[bound[n]] += charges[n]
     with_hydrogen = set(bound.values())
-    lines = []
+    lines: list[str] = []
     for n, (element, name, residue, place, _) in enumerate(atoms):
         if element == "H" and atoms[bound[n]][0] == "C":
             continue
@@ -40,8 +45,27 @@ def pdbqt(text, given):
     return "".join(lines)
 
 
-def _atom(words, given):
+def _words(line: str) -> list[str]:
+    """The words of an atom's line. In PDB's columns they may touch; else there are blanks between them."""
+    if re.fullmatch(r"(?:[ 0-9-]{4}\.[0-9]{3}){3}", line[30:54]):
+        rest = re.findall(r"[-+]?[0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]+)?", line[54:])
+        return [line[:6], line[6:11], line[12:16].strip(), line[17:21].strip(), *(line[c:c + 8] for c in (30, 38, 46)), *rest[:2]]
+    words = line.split()
+    if len(words) >= 5 and all(_is_number(word) for word in words[-5:]):
+        return words
+    return re.sub(r"(?<=[0-9])-(?=[0-9]*\.)", " -", line).split()
+
+
+def _is_number(word: str) -> bool:
+    try:
+        return float(word) is not None
+    except ValueError:
+        return False
+
+
+def _atom(line: str, given: str) -> tuple[str, str, str, Array, float]:
     """(element, name, residue, place, charge)"""
+    words = _words(line)
     try:
         x, y, z, charge, _ = map(float, words[-5:])
         name, residue = words[2].lstrip("0123456789"), words[3]
@@ -53,7 +77,7 @@ def _atom(words, given):
     return element, name, residue, np.array((x, y, z)), charge
 
 
-def _kind(element, name, residue, has_hydrogen):
+def _kind(element: str, name: str, residue: str, has_hydrogen: bool) -> str:
     """AutoDock's type. Terminal residues may have N or C before their name, and histidine is called by its hydrogens."""
     residue = residue[1:] if len(residue) == 4 and residue[0] in "NC" else residue
     residue = "HIS" if residue in ("HID", "HIE", "HIP", "HSD", "HSE", "HSP") else residue

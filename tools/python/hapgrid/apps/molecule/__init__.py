@@ -7,13 +7,13 @@ molecule (what is read, and its conformers), elements.
 
 Structures are found: structures (in several processes), search (each step), results (what they find, and how that is kept),
 xtb (energies), geometry, optimise (minima and saddles), rotors (which bonds turn, and their names), torsions (scans), path
-(to a saddle), beyond (paths on behind saddles), ensemble (paths between given minima), singles
-(energies by other programs), xyz and files (what is written).
+(to a saddle), torsion_paths (on behind saddles), ensemble (paths between given minima),
+single_points (energies by other programs), xyz and files (what is written).
 
-A grid is made: choice (the softest paths that are sane together), stiffness (of the anchors), definition (box and
+A grid is made: path_selection (the softest paths that are sane together), stiffness (of the anchors), definition (box and
 MODEL.toml), resolution (the spacing).
 
-The probe's way: pushing (turns a torsion, or leads over a barrier), page (page.html is its frame).
+The probe's way: probe_lines (turns a torsion, or leads over a barrier), page (page.html is its frame).
 """
 
 import os

@@ -5,13 +5,16 @@ builder is not used: it gives up or lets atoms overlap for 16 of 62 everyday mol
 chains.
 """
 
+from __future__ import annotations
+
 import numpy as np
+from hapgrid.apps.common.arrays import Array
+from rdkit import Chem
+from rdkit.Chem import rdDistGeom
 
 from . import geometry
 from .elements import COVALENT
 from .molecule import BadInput, is_flat, neighbours_of, numbers_of, placed, places_of, relaxed
-from rdkit import Chem
-from rdkit.Chem import rdDistGeom
 
 SEED = 1
 TRIES = 10  # shapes, of which the one of lowest energy is taken: rings have several
@@ -19,7 +22,7 @@ FEW_STEPS, STEPS = 300, 5000  # of the force field, to tell shapes apart, and fo
 SMALL_RINGS = 60  # atoms, up to which a shape takes well below a second
 
 
-def understood(mol, what, forced):
+def understood(mol: Chem.Mol, what: str, forced: bool) -> Chem.Mol:
     """The molecule with its aromatic rings and implicit hydrogens, and with the handedness that its coordinates or wedges give
     it. forced: whether its bonds are as they should be, also where RDKit knows no such valences. Errors: BadInput, which names
     the atom."""
@@ -49,7 +52,7 @@ def understood(mol, what, forced):
     return one
 
 
-def with_hydrogens(mol, shaped):
+def with_hydrogens(mol: Chem.Mol, shaped: bool) -> Chem.Mol:
     """All hydrogens as atoms, those that were added relaxed while the others stay. shaped: whether it has a shape."""
     count = mol.GetNumAtoms()
     one = Chem.AddHs(mol, addCoords=shaped)
@@ -62,7 +65,7 @@ def with_hydrogens(mol, shaped):
     return placed(one, relaxed(one, x, STEPS, range(count))[1])
 
 
-def shape(mol, what):
+def shape(mol: Chem.Mol, what: str) -> Array:
     """Positions (atoms, 3), angstrom, of a molecule with all its hydrogens. They are the same each time."""
     if mol.GetNumAtoms() == 1:
         return np.zeros((1, 3))
@@ -77,7 +80,7 @@ def shape(mol, what):
     return relaxed(mol, best[2], STEPS)[1]
 
 
-def _embedded(mol):
+def _embedded(mol: Chem.Mol) -> list[Array]:
     """Shapes by distance geometry, as they come."""
     one = Chem.Mol(mol)
     options = rdDistGeom.ETKDGv3()
@@ -99,7 +102,7 @@ def _embedded(mol):
     return []
 
 
-def _bounds(mol, crowded):
+def _bounds(mol: Chem.Mol, crowded: list[Chem.Atom]) -> Array:
     """Bounds of distances, above and below the diagonal, angstrom. RDKit's leave no place for six fluorine atoms at sulphur.
     crowded: atoms with more than four neighbours."""
     bounds = rdDistGeom.GetMoleculeBoundsMatrix(mol)

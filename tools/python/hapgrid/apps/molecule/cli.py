@@ -1,5 +1,10 @@
 """The command line of `hapgrid molecule`."""
 
+from __future__ import annotations
+
+from argparse import Namespace
+from collections.abc import Sequence
+
 from hapgrid.apps.common.cli import EXIT_CODES, Parser, UsageError, formatter, guarded, number
 from hapgrid.apps.common.files import Failed
 
@@ -49,7 +54,7 @@ examples:
 """
 
 
-def parser():
+def parser() -> Parser:
     p = Parser(prog="hapgrid molecule", description=ABOUT, epilog=AFTERWARDS, formatter_class=formatter,
                allow_abbrev=False, usage="hapgrid molecule (FILE | --smiles SMILES) -o DIR [options]")
     p.add_argument("file", metavar="FILE", nargs="?", help="file of the molecule: .sdf, .mol, .mol2, .pdb or .xyz")
@@ -91,13 +96,14 @@ def parser():
                    "with --push, NAME-plus and NAME-minus turn in one direction only")
     p.add_argument("--spacing", type=number(0.1, 3), metavar="H",
                    help="spacing of the grid in angstrom (default: that at which shapes are off by at most "
-                   f"{resolution.WANTED:g} in 99 of 100 places, {resolution.COARSEST:g} at most, but at most {resolution.MOST_POINTS} points; with "
-                   f"--push --basins {resolution.FINEST:g}, but at most {resolution.MOST_POINTS_BETWEEN_BASINS} points)")
+                   f"{resolution.WANTED:g} in 99 of 100 places, {resolution.COARSEST:g} at most, but at most "
+                   f"{resolution.MOST_POINTS} points; with --push --basins {resolution.FINEST:g}, but at most "
+                   f"{resolution.MOST_POINTS_BETWEEN_BASINS} points)")
     p.add_until("structures", "definition")
     return p
 
 
-def _options(arguments):
+def _options(arguments: Sequence[str]) -> Namespace:
     o = parser().parse_args(arguments)
     if (o.smiles is None) == (o.file is None):
         raise UsageError("give either FILE or --smiles (see --help)")
@@ -109,7 +115,7 @@ def _options(arguments):
     return o
 
 
-def _run(options):
+def _run(options: Namespace) -> str:
     from . import optimise, steps, xtb  # want RDKit and more, and --help does not
     try:
         return steps.run(options)
@@ -117,5 +123,5 @@ def _run(options):
         raise Failed(why) from None
 
 
-def main(arguments):
+def main(arguments: Sequence[str]) -> int:
     return guarded("molecule", _options, _run, arguments)

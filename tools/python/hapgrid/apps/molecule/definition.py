@@ -1,15 +1,22 @@
 """The box of a grid and its MODEL.toml."""
 
+from __future__ import annotations
+
 import math
 import tomllib
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 from hapgrid.apps.common import files
+from hapgrid.apps.common.arrays import Array
 
 from .elements import RADII
-from .molecule import BadInput
+from .holding import Tie
+from .molecule import BadInput, Molecule
+from .results import Result
 from .stiffness import Stiffness
+from .torsions import Torsion
 from .xtb import BOHR
 
 PROBE = 1.2  # angstrom
@@ -36,18 +43,19 @@ class Definition:
     by hand nothing else is here. torsions: those that the paths turn; seconds: that the grid takes, about, where that is
     known."""
     title: str
-    paths: list
-    low: np.ndarray = None
-    high: np.ndarray = None
+    paths: Sequence[str]
+    low: Array = field(default_factory=lambda: np.zeros(3))
+    high: Array = field(default_factory=lambda: np.zeros(3))
     spacing: float = 1.0
-    torsions: tuple = ()
+    torsions: Sequence[Torsion] = ()
     basins: bool = False  # whether paths go on behind their saddles
     stiffness: Stiffness = Stiffness()
-    seconds: float = None
-    held: tuple = ()  # (atoms, fixed, holding.Tie), where the hand holds something
+    seconds: float | None = None
+    held: tuple[Sequence[int], Sequence[int], Tie] | None = None  # (atoms, fixed, tie), where the hand holds something
 
     @classmethod
-    def around(cls, molecule, result, paths, basins=False, spacing=0.0, room=(), corners=None):
+    def around(cls, molecule: Molecule, result: Result, paths: Sequence[str], basins: bool = False, spacing: float = 0.0,
+               room: Sequence[float] = (), corners: tuple[Array, Array] | None = None) -> Definition:
         """The box around all shapes of the paths that are taken, with the probe around them, and the room in which a push
         begins. spacing: of the grid, where it is known already; room: how much more each side needs, low x, y, z and high x,
         y, z, since the molecule yields when it is pushed (grids.py); corners: of the box, where it is another one."""
@@ -63,11 +71,11 @@ class Definition:
         return cls(f"{molecule.formula}, {len(molecule.numbers)} atoms", paths, low - cell - more[0],
                    high + cell + more[1], cell, basins=basins)
 
-    def counts(self):
+    def counts(self) -> list[int]:
         cells = np.ceil((self.high - self.low) / self.spacing - 1e-9).astype(int)
         return [max(int(n) + 1, LEAST_POINTS) for n in cells]
 
-    def text(self):
+    def text(self) -> str:
         why = HELD_WHY if self.held else "" if self.basins or not self.paths else WHY
         origin = (self.low + self.high - (np.array(self.counts()) - 1) * self.spacing) / 2
         paths = "".join(f'  "{name}.xyz",\n' for name in self.paths)
@@ -119,11 +127,11 @@ max_levels = {MAX_LEVELS}           # states that a grid point may have
 """
 
 
-def _numbers(atoms):
+def _numbers(atoms: Sequence[int]) -> list[int]:
     return [a + 1 for a in atoms]
 
 
-def paths_of(path):
+def paths_of(path: str) -> list[str]:
     """The paths that a definition names, changed by hand or not.
     Errors: BadInput, where it is of another model or names a file that is not beside it."""
     try:

@@ -7,12 +7,17 @@ legs, each from a minimum over a saddle to the next. Rings flip along such paths
 Alternative: a nudged elastic band. Its springs need hundreds of steps; here each shape takes quasi-Newton steps of its own.
 """
 
+from __future__ import annotations
+
 from dataclasses import replace
 
 import numpy as np
+from hapgrid.apps.common.arrays import Array
 
 from . import geometry, optimise, path
-from .results import Path
+from .molecule import Molecule
+from .results import Ends, Path, Point
+from .search import Search
 from .xtb import BOHR
 
 SHAPES = 11  # of a chain, with its ends
@@ -22,7 +27,7 @@ HELD = 1.0  # hartree/bohr²: what holds a shape in its place along the chain
 MOST_LEGS = 6
 
 
-def minimum(search, x):
+def minimum(search: Search, x: Array) -> Point:
     """The minimum near a shape in angstrom, which lies as the conformation does."""
     one = optimise.minimum(search.surface, numbered_alike(search.molecule, x / BOHR, search.x))
     if not search.intact(one.x):
@@ -31,7 +36,7 @@ def minimum(search, x):
     return replace(one, x=turned, energy=search.surface.energy(turned))
 
 
-def numbered_alike(molecule, x, reference):
+def numbered_alike(molecule: Molecule, x: Array, reference: Array) -> Array:
     """x with equal atoms exchanged where an atom with four neighbours is the mirror image of that in the reference: programs
     that embed shapes number the hydrogens of a CH2 group either way. Errors: optimise.NoPath, for another stereoisomer."""
     x = x.copy()
@@ -49,7 +54,7 @@ def numbered_alike(molecule, x, reference):
     return x
 
 
-def _chain(search, a, b):
+def _chain(search: Search, a: Array, b: Array) -> list[Array]:
     """Shapes from a to b, straight in internal coordinates: torsions turn the short way."""
     tree = search.surface.tree
     q, change = tree.read(a), tree.change(a, b)
@@ -61,7 +66,7 @@ def _chain(search, a, b):
     return path.resampled([a, *shapes[1:-1], straight], search.surface.masses, SHAPES)
 
 
-def _across(search, shapes, hessians):
+def _across(search: Search, shapes: list[Array], hessians: list[Array]) -> list[Array]:
     """The shapes of a chain, each relaxed but for its place along the chain, which it keeps."""
     surface, out = search.surface, [shapes[0]]
     for k in range(1, len(shapes) - 1):
@@ -69,7 +74,7 @@ def _across(search, shapes, hessians):
         along = (shapes[k + 1] - shapes[k - 1]).ravel()
         along /= np.linalg.norm(along)
 
-        def held(y, x=x, along=along):
+        def held(y: Array, x: Array = x, along: Array = along) -> tuple[float, Array]:
             energy, gradient = surface(y)
             off = along @ (y - x).ravel()
             return energy + HELD * off**2 / 2, gradient + (HELD * off * along).reshape(-1, 3)
@@ -80,7 +85,7 @@ def _across(search, shapes, hessians):
     return [*out, geometry.aligned(shapes[-1], out[-1], surface.masses)]
 
 
-def _top(search, a, b):
+def _top(search: Search, a: Array, b: Array) -> tuple[Array, Array]:
     """(guess of the highest saddle between two minima, the chain's direction there)."""
     shapes = _chain(search, a, b)
     hessians = [search.surface.hessian(x) for x in shapes]
@@ -93,7 +98,7 @@ def _top(search, a, b):
     return shapes[k], (shapes[k + 1] - shapes[k - 1]).ravel()
 
 
-def legs(search, a, b, left=MOST_LEGS):
+def legs(search: Search, a: Point, b: Point, left: int = MOST_LEGS) -> list[Ends]:
     """The Ends of the saddles on a way from minimum a to minimum b, in this order. Errors: optimise.NoPath."""
     if left < 1:
         raise optimise.NoPath(f"more than {MOST_LEGS} barriers lie on the way")
@@ -114,7 +119,7 @@ def legs(search, a, b, left=MOST_LEGS):
     return out
 
 
-def way(search, b):
+def path_to(search: Search, b: Point) -> Path:
     """The Path from the conformation to minimum b."""
     out, at, apart = Path([search.x], [search.energy]), search.rest, None
     for ends in legs(search, at, b):

@@ -1,33 +1,39 @@
 """The files of structures: XYZ files and the report, written and read."""
 
+from __future__ import annotations
+
 import re
+from collections.abc import Sequence
 
 import numpy as np
+from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import is_plain, remove
+from hapgrid.apps.common.work import Work
 
 from . import geometry, xyz
 from .elements import MASSES, SYMBOLS
 from .molecule import BadInput
 from .results import Path, Result
+from .torsions import Torsion
 from .xtb import BOHR, HARTREE
 
 REPORT = ("name", "kind", "energy_kJ_mol", "nu1_cm-1", "torsions_deg")  # heads of report.tsv
 NO_PATH = "# no path: "
 
 
-def frame(numbers, x, comment):
+def frame(numbers: Sequence[int], x: Array, comment: str) -> str:
     lines = [str(len(numbers)), comment.rstrip()]
     for z, row in zip(numbers, np.asarray(x) * BOHR):
         lines.append(f"{SYMBOLS[z]:<2}" + "".join(f" {v + 0.0:13.8f}" for v in row))
     return "\n".join(lines) + "\n"
 
 
-def words(torsions, x):
+def words(torsions: Sequence[Torsion], x: Array) -> str:
     """Torsions in whole degrees, -179 to 180."""
     return " ".join(f"{t.name}={180 - (180 - round(float(np.degrees(geometry.torsion(x, *t.atoms))))) % 360}" for t in torsions)
 
 
-def _path_text(result, found):
+def _path_text(result: Result, found: Path) -> str:
     out, last = [], len(found.nodes) - 1
     stationary = {found.start: "minimum", **(found.kinds or {last: "saddle"})}
     for k, (x, energy) in enumerate(zip(found.nodes, found.energies)):
@@ -42,13 +48,13 @@ def _path_text(result, found):
     return "".join(out)
 
 
-def report_text(result, command):
+def report_text(result: Result, command: str) -> str:
     """The table of stationary points, tab-separated; lines that begin with # are remarks."""
     table = [REPORT]
 
-    def add(name, kind, energy, nu1, x):
-        nu1 = "-" if nu1 is None else f"{nu1:.0f}".replace("-", "i")
-        table.append((name, kind, f"{round((energy - result.energy) * HARTREE, 2) + 0:.2f}", nu1, words(result.torsions, x)))
+    def add(name: str, kind: str, energy: float, nu1: float | None, x: Array) -> None:
+        wave_number = "-" if nu1 is None else f"{nu1:.0f}".replace("-", "i")
+        table.append((name, kind, f"{round((energy - result.energy) * HARTREE, 2) + 0:.2f}", wave_number, words(result.torsions, x)))
     add("conformation", "minimum", result.energy, result.nu1, result.x)
     for found in result.found:
         top = int(np.argmax(found.energies)) if found.goes_on else -1
@@ -61,7 +67,7 @@ def report_text(result, command):
                       *("\t".join(row) for row in table), *(f"{NO_PATH}{name}: {why}" for name, why in result.dropped)]) + "\n"
 
 
-def rows(folder, name, heads):
+def rows(folder: Work, name: str, heads: Sequence[str]) -> list[dict[str, str]]:
     """A table of the folder, [{head: cell}], without remarks. Errors: BadInput, where it lacks heads or cells."""
     lines = [line.split("\t") for line in folder.read(name).splitlines() if not line.startswith("#")]
     if not lines or not set(heads) <= set(lines[0]) or any(len(line) != len(lines[0]) for line in lines):
@@ -69,7 +75,7 @@ def rows(folder, name, heads):
     return [dict(zip(lines[0], line)) for line in lines[1:]]
 
 
-def write_set(folder, result, command):
+def write_set(folder: Work, result: Result, command: str) -> list[str]:
     """Writes all files of a molecule and returns their names."""
     known = "nimag=0 " if result.nu1 is not None else ""
     title = f"dE=0.0000 E={result.energy:.9f} method={result.method} {known}{words(result.torsions, result.x)}"
@@ -83,7 +89,7 @@ def write_set(folder, result, command):
     return list(texts)
 
 
-def read_set(folder):
+def read_set(folder: Work) -> Result:
     """The Result that the files of the folder have, changed by hand or not. Energies are above the conformation. Errors:
     BadInput, also where the report names a file that is not beside it."""
     first = folder.path("conformation.xyz")
@@ -102,7 +108,7 @@ def read_set(folder):
                   None, found, dropped)
 
 
-def _path(name, path, conformation):
+def _path(name: str, path: str, conformation: xyz.Frame) -> Path:
     read, at = xyz.frames(path), conformation.x / BOHR
     if any(one.numbers != conformation.numbers for one in read):
         raise BadInput(f"{path}: has other atoms than the conformation")

@@ -4,10 +4,15 @@ RDKit reads MDL's formats (SDF, MOL), MOL2 and SMILES, and xyz.py XYZ. Of a PDB 
 the text does not say is UNSPECIFIED, and an atom whose hydrogens may be missing can have implicit ones: valences.py finds both.
 """
 
+from __future__ import annotations
+
 import re
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
+from hapgrid.apps.common.arrays import Array
 from rdkit import Chem
 
 from . import geometry, xyz
@@ -26,8 +31,8 @@ class Record:
     are said to be a drawing's. charge, unpaired: what the text says of all of it, or None."""
     mol: Chem.Mol
     drawing: bool = False
-    charge: int = None
-    unpaired: int = None
+    charge: int | None = None
+    unpaired: int | None = None
 
 
 @dataclass
@@ -35,15 +40,15 @@ class Input:
     """what: the file or SMILES, as messages name it; kind: a value of KINDS, or "smi"; said: what was put right."""
     what: str
     kind: str
-    records: list = field(default_factory=list)
-    said: list = field(default_factory=list)
+    records: list[Record] = field(default_factory=list)
+    said: list[str] = field(default_factory=list)
 
-    def say(self, text):
+    def say(self, text: str) -> None:
         if text not in self.said:
             self.said.append(text)
 
 
-def decoded(content, what):
+def decoded(content: bytes, what: str) -> str:
     """Text of UTF-8, UTF-16 with its mark, or else Latin-1, with single line feeds."""
     try:
         text = content.decode("utf-16" if content[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig")
@@ -54,7 +59,7 @@ def decoded(content, what):
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
-def read(text, what, kind):
+def read(text: str, what: str, kind: str) -> Input:
     given = Input(what, kind)
     {"sdf": _sdf, "xyz": _xyz, "mol2": _mol2, "pdb": _pdb}[kind](text, given)
     if not given.records:
@@ -62,7 +67,7 @@ def read(text, what, kind):
     return given
 
 
-def smiles(text):
+def smiles(text: str) -> Input:
     given = Input(f"SMILES '{text}'", "smi")
     # A second word would be read as a name.
     mol = Chem.MolFromSmiles(text, sanitize=False) if re.fullmatch(r"\S+", text) else None
@@ -74,7 +79,7 @@ def smiles(text):
 
 # MDL's formats
 
-def _sdf(text, given):
+def _sdf(text: str, given: Input) -> None:
     for block in re.split(r"^\$\$\$\$.*\n?", text, flags=re.M):
         if not block.strip():
             continue
@@ -94,7 +99,7 @@ def _sdf(text, given):
         given.records.append(Record(mol, drawing, unpaired=unpaired))
 
 
-def _understood(reader, text, given, **options):
+def _understood(reader: Callable[..., Chem.Mol], text: str, given: Input, **options: bool) -> Chem.Mol:
     mol = reader(text, sanitize=False, removeHs=False, **options)
     if mol is None or mol.GetNumAtoms() == 0:
         raise BadInput(f"{given.what}: record {len(given.records) + 1} is not understood as {given.kind.upper()}: its atoms or "
@@ -102,7 +107,7 @@ def _understood(reader, text, given, **options):
     return mol
 
 
-def _with_header(lines, given):
+def _with_header(lines: list[str], given: Input) -> list[str] | None:
     """The lines with three of a header, as the format has it; None where there is no line of counts."""
     counts = re.compile(r"V[23]000\s*$|^[ \d]{2}\d[ \d]{2}\d( |$)")
     at = next((n for n, line in enumerate(lines[:8]) if counts.search(line)), None)
@@ -115,7 +120,7 @@ def _with_header(lines, given):
     return ["", *(header or [""])[-1:], "", *lines[at:]]
 
 
-def _radicals(lines):
+def _radicals(lines: list[str]) -> Any:
     """How many electrons are unpaired, or None where no radical is marked. 1 is a singlet, 2 a doublet, 3 a triplet. The old
     column of charges has 4 for a radical, which RDKit passes over: such an atom gets a line of its own."""
     if not lines[3].rstrip().endswith("V3000") and not any(line.startswith(("M  CHG", "M  RAD")) for line in lines):
@@ -129,7 +134,7 @@ def _radicals(lines):
 
 # XYZ
 
-def _xyz(text, given):
+def _xyz(text: str, given: Input) -> None:
     frames = xyz.frames_of(text, given.what, given.say)
     order, known = lowest_first(frames)
     if order:  # an ensemble, a path, or the log of an optimisation
@@ -141,7 +146,7 @@ def _xyz(text, given):
         given.records.append(Record(with_bonds(one.numbers, one.x, given.what), charge=charge, unpaired=unpaired))
 
 
-def _charge_in(title, what):
+def _charge_in(title: str, what: str) -> tuple[int | None, int | None]:
     """(charge, unpaired electrons) that a title gives, each None where it does not: charge=-1, charge: -1, charge -1,
     multiplicity 2, or -1 1 alone, as the inputs of most programs have it."""
     pair = re.fullmatch(r"\s*([+-]?\d)\s+([1-9])\s*", title)
@@ -155,7 +160,7 @@ def _charge_in(title, what):
     return int(charge[1]) if charge else None, int(spin[1]) - 1 if spin else None
 
 
-def energy_in(title):
+def energy_in(title: str) -> float | None:
     """The energy that a title gives, in whatever unit, or None: dE=, E=, energy:, SCF done, or a number alone."""
     number = r"([+-]?\d+\.?\d*(?:[eE][+-]?\d+)?)"
     found = re.search(rf"(?:\bdE\s*=|\bE\s*=|\benergy\s*[:=]?)\s*{number}", title, re.I) or \
@@ -163,21 +168,21 @@ def energy_in(title):
     return float(found[1]) if found else None
 
 
-def lowest_first(frames):
+def lowest_first(frames: Sequence[xyz.Frame]) -> tuple[list[int], bool]:
     """(the numbers of several xyz.Frames of one molecule, that of the lowest energy first; whether all have an energy). No
     numbers where they are of several molecules."""
     energies = [energy_in(one.title) for one in frames]
     if len(frames) < 2 or any(one.numbers != frames[0].numbers for one in frames):
         return [], False
     known = None not in energies
-    return sorted(range(len(frames)), key=lambda k: energies[k] if known else k), known
+    return sorted(range(len(frames)), key=lambda k: energies[k] or 0.0 if known else k), known
 
 
 # PDB. Source: the format's description 3.3. Columns are counted from 0 here. 12-15 have the atom's name, with its element
 # right-aligned in 12-13 but for hydrogens whose name has four letters; 16 the alternate location, 17-19 the residue, 21-26
 # its place, 54-59 the occupancy, 76-77 the element, 78-79 the charge.
 
-def _pdb(text, given):
+def _pdb(text: str, given: Input) -> None:
     for block in re.split(r"^END(?:MDL)?\s*$", text, flags=re.M):
         lines = [f"{line:<80}" for line in block.split("\n") if line.startswith(("ATOM  ", "HETATM"))]
         lines = _without_alternates(lines, given.say)
@@ -194,9 +199,9 @@ def _pdb(text, given):
         given.records.append(Record(mol))
 
 
-def _without_alternates(lines, say):
+def _without_alternates(lines: Sequence[str], say: Callable[[str], None]) -> list[str]:
     """In each residue the alternate location of highest occupancy stays, of equal ones the first."""
-    found = {}
+    found: dict[str, dict[str, list[float]]] = {}
     for line in lines:
         if line[16] != " ":
             occupancy = float(line[54:60]) if re.fullmatch(r"\s*\d*\.?\d+\s*", line[54:60]) else 1.0
@@ -211,7 +216,7 @@ def _without_alternates(lines, say):
     return [line for line in lines if line[16] in (" ", kept.get(line[21:27]))]
 
 
-def _element(line):
+def _element(line: str) -> int:
     """The atomic number, 0 for none, wherever the line has the element."""
     name, element = line[12:16].upper(), line[76:78].strip().upper()
     two, letters = name[:2].strip(), re.sub(r"[^A-Z]", "", name)
@@ -221,14 +226,14 @@ def _element(line):
     return NUMBERS.get(element, 0)
 
 
-def _charge(line):
+def _charge(line: str) -> int:
     found = re.fullmatch(r"(\d)([+-])|([+-])(\d)", line[78:80])
     return int("".join(found.group(2, 1) if found[1] else found.group(3, 4))) if found else 0
 
 
 # MOL2
 
-def _mol2(text, given):
+def _mol2(text: str, given: Input) -> None:
     for block in re.split(r"^@<TRIPOS>MOLECULE", text, flags=re.M)[1:]:
         mol = _understood(Chem.MolFromMol2Block, f"@<TRIPOS>MOLECULE{block}", given, cleanupSubstructures=False)
         told = re.findall(r"^\s*(\d+)\s+\d+\s*\ncharge\s+([+-]?\d)\s*$", block, flags=re.M)
@@ -244,7 +249,7 @@ def _mol2(text, given):
 
 # Bonds by distances
 
-def with_bonds(numbers, x, what, charges=None):
+def with_bonds(numbers: Sequence[int], x: Array, what: str, charges: Sequence[int] | None = None) -> Chem.Mol:
     """RDKit's molecule of atoms with bonds of open order between those that are near each other. charges: of the atoms."""
     check_count(len(x), what, 40 * MOST_ATOMS)
     near = geometry.bonds_of(numbers, x)
@@ -252,7 +257,7 @@ def with_bonds(numbers, x, what, charges=None):
     return placed(unsanitized(numbers, charges or [0] * len(x), bonds), x)
 
 
-def check_count(count, what, most=MOST_ATOMS):
+def check_count(count: int, what: str, most: int = MOST_ATOMS) -> None:
     if count > most:
         raise BadInput(f"{what}: {count} atoms, at most {MOST_ATOMS} are feasible: cut out the part that "
                        "matters, and close it with hydrogen")

@@ -3,7 +3,13 @@
 Positions in bohr, arrays (atoms, 3); angles in radians.
 """
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
+from hapgrid.apps.common.arrays import Array, Neighbours
 from scipy.linalg import orth
 from scipy.spatial.transform import Rotation
 
@@ -13,7 +19,7 @@ from .xtb import BOHR
 BONDED = 1.25  # times the sum of the covalent radii: nearer atoms are bonded
 
 
-def shares(numbers, x):
+def shares(numbers: Sequence[int], x: Array) -> Array:
     """Distances (atoms, atoms) of positions in angstrom, by the sum of the covalent radii; of an atom from itself infinite."""
     radius = np.array([COVALENT.get(z, 1.5) for z in numbers])
     out = np.linalg.norm(x[:, None] - x[None], axis=2) / (radius[:, None] + radius[None])
@@ -21,16 +27,16 @@ def shares(numbers, x):
     return out
 
 
-def bonds_of(numbers, x):
+def bonds_of(numbers: Sequence[int], x: Array) -> Neighbours:
     """The neighbours of each atom, ascending, by distances in angstrom."""
     return [np.flatnonzero(row).tolist() for row in shares(numbers, x) < BONDED]
 
 
-def centred(x, masses):
+def centred(x: Array, masses: Array) -> Array:
     return x - masses @ x / masses.sum()
 
 
-def on_principal_axes(x, masses):
+def on_principal_axes(x: Array, masses: Array) -> Array:
     """x centred, with the molecule's longest axis along x and its shortest along z. An axis points
     to its farthest atom, the first one among those that are equally far."""
     c = centred(x, masses)
@@ -44,7 +50,7 @@ def on_principal_axes(x, masses):
     return c @ axes
 
 
-def aligned(x, reference, masses):
+def aligned(x: Array, reference: Array, masses: Array) -> Array:
     """x turned and shifted to the least mass-weighted distance from the reference (Kabsch)."""
     a, b = centred(x, masses), centred(reference, masses)
     u, _, vt = np.linalg.svd(a.T @ (masses[:, None] * b))
@@ -52,17 +58,17 @@ def aligned(x, reference, masses):
     return a @ (u @ vt) + masses @ reference / masses.sum()
 
 
-def as_in_file(x):
+def as_in_file(x: Array) -> Array:
     """Rounded as files have it, to 1e-8 angstrom, since readers compare the nodes of paths with a file."""
     return np.round(x * BOHR, 8) / BOHR
 
 
-def rms(x, y):
+def rms(x: Array, y: Array) -> float:
     """Root mean square displacement of the atoms, without superposition."""
     return np.sqrt(((x - y) ** 2).sum() / len(x))
 
 
-def rigid_vectors(x, weights):
+def rigid_vectors(x: Array, weights: Array) -> Array:
     """Shifts and turns of coordinates times sqrt(weights), as orthonormal columns (3 atoms, 6)."""
     root = np.sqrt(weights)[:, None]
     c = centred(x, weights)
@@ -70,14 +76,14 @@ def rigid_vectors(x, weights):
     return orth(np.array(columns).T, rcond=1e-6)
 
 
-def torsion(x, i, j, k, l):
+def torsion(x: Array, i: int, j: int, k: int, l: int) -> float:
     """Torsion angle, (-pi, pi], IUPAC sign."""
     b1, b2, b3 = x[j] - x[i], x[k] - x[j], x[l] - x[k]
     n1, n2 = np.cross(b1, b2), np.cross(b2, b3)
     return np.arctan2(np.linalg.norm(b2) * (b1 @ n2), n1 @ n2)
 
 
-def torsion_gradient(x, i, j, k, l):
+def torsion_gradient(x: Array, i: int, j: int, k: int, l: int) -> Array:
     """Derivative (atoms, 3) of the torsion. Source: Blondel and Karplus 1996."""
     f, g, h = x[i] - x[j], x[j] - x[k], x[l] - x[k]
     a, b = np.cross(f, g), np.cross(h, g)
@@ -91,24 +97,24 @@ def torsion_gradient(x, i, j, k, l):
     return out
 
 
-def angle(x, i, j, k):
+def angle(x: Array, i: int, j: int, k: int) -> float:
     u, v = x[i] - x[j], x[k] - x[j]
     return np.arctan2(np.linalg.norm(np.cross(u, v)), u @ v)
 
 
-def wrapped(a):
+def wrapped(a: float | Array) -> Any:
     """An angle, or an array of them, in (-pi, pi]."""
     return -((-np.asarray(a) + np.pi) % (2 * np.pi) - np.pi)
 
 
-def rotated_about(x, j, k, side, turn):
+def rotated_about(x: Array, j: int, k: int, side: Sequence[int], turn: float) -> Array:
     """x with the atoms of `side` turned by an angle about the bond from j to k."""
     out, axis = x.copy(), (x[k] - x[j]) / np.linalg.norm(x[k] - x[j])
     out[side] = x[k] + Rotation.from_rotvec(turn * axis).apply(x[side] - x[k])
     return out
 
 
-def side_of(neighbours, j, k):
+def side_of(neighbours: Neighbours, j: int, k: int) -> list[int] | None:
     """The atoms on k's side of the bond j-k, without k; None when the bond is in a ring."""
     side = [k]
     for at in side:
@@ -124,10 +130,11 @@ class Tree:
     here they show whether a spline through the nodes makes sense between them.
     """
 
-    def __init__(self, neighbours, numbers):
+    def __init__(self, neighbours: Neighbours, numbers: Sequence[int]) -> None:
         heavy = [a for a in range(len(numbers)) if len(neighbours[a]) > 1]
         self.root = heavy[0] if heavy else 0
-        parent, order = {self.root: None}, [self.root]
+        parent: dict[int, int | None] = {self.root: None}
+        order = [self.root]
         for at in order:
             for n in sorted(neighbours[at], key=lambda n: (numbers[n] == 1, n)):
                 if n not in parent:
@@ -135,11 +142,14 @@ class Tree:
                     order.append(n)
         # (atom, the three atoms to which its coordinates refer, the first child that its torsion is relative to); None for
         # what the first atoms lack.
-        self.order, self.rows, first = order, [], {}
+        self.order = order
+        self.rows: list[tuple[int, int, Any, Any, int | None]] = []
+        first: dict[int, int] = {}
         children = [n for n in order if parent[n] == self.root]
         for atom in order[1:]:
-            a = parent[atom]
-            b, sibling = parent[a], atom
+            a: Any = parent[atom]
+            b: Any = parent[a]
+            sibling = atom
             if b is None:  # a child of the root: the first ones have each other
                 b, c = [*children[:min(children.index(atom), 2)], None, None][:2]
             else:
@@ -147,7 +157,7 @@ class Tree:
                 sibling = first.setdefault(a, atom)
             self.rows.append((atom, a, b, c, None if sibling == atom else sibling))
 
-    def read(self, x):
+    def read(self, x: Array) -> Array:
         """Internal coordinates (3, atoms - 1) of a shape: bonds, angles, torsions."""
         out = np.zeros((3, len(self.rows)))
         for n, (atom, a, b, c, sibling) in enumerate(self.rows):
@@ -161,10 +171,10 @@ class Tree:
         out[2] = wrapped(out[2])
         return out
 
-    def build(self, q):
+    def build(self, q: Array) -> Array:
         """A shape with these internal coordinates, anywhere in space."""
         x = np.zeros((len(self.order), 3))
-        turn = {}
+        turn: dict[int, float] = {}
         for n, (atom, a, b, c, sibling) in enumerate(self.rows):
             r, theta, tau = q[:, n]
             if b is None:
@@ -176,14 +186,14 @@ class Tree:
                 x[atom] = x[a] + _placed(r, theta, turn[atom], x[b] - x[a], x[c] - x[b])
         return x
 
-    def change(self, x, y):
+    def change(self, x: Array, y: Array) -> Array:
         """Internal coordinates of y less those of x; torsions turn the short way."""
         change = self.read(y) - self.read(x)
         change[2] = wrapped(change[2])
         return change
 
 
-def _placed(r, theta, tau, to_b, b_to_c):
+def _placed(r: float, theta: float, tau: float, to_b: Array, b_to_c: Array) -> Array:
     """An atom's place relative to its parent: bond r, angle theta to b, torsion tau to c."""
     e1 = to_b / np.linalg.norm(to_b)
     e2 = b_to_c - (b_to_c @ e1) * e1

@@ -5,20 +5,28 @@ past is measured, not guessed. Where a grid has a record at a side of its box in
 probe holds it there, and what lies behind is cut off. The box is then made a cell wider on that side.
 """
 
+from __future__ import annotations
+
 import json
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import asdict, astuple, dataclass, field, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from hapgrid.apps.common import files, grid
 from hapgrid.apps.common.cli import BreaksRule
 from hapgrid.apps.common.files import Failed
-from hapgrid.apps.common.work import about, duration
+from hapgrid.apps.common.work import Work, about, duration
 
-from . import choice, holding, resolution, stiffness, xyz
-from .definition import Definition, MAX_LEVELS, PENALTY, paths_of
+from . import holding, path_selection, resolution, stiffness, xyz
+from .definition import MAX_LEVELS, PENALTY, Definition, paths_of
+from .results import Result
 from .xtb import BOHR, HARTREE
+
+if TYPE_CHECKING:
+    from .steps import Start
 
 VERIFY_SHARE = 0.15  # of the time that the grid took, about
 MOST_ROOM = 4.0  # angstrom that a side of the box is moved outwards, before no more room is looked for
@@ -37,7 +45,7 @@ class Fault:
     low x, y, z and high x, y, z, angstrom."""
     kind: str
     text: str
-    sides: tuple = ()
+    sides: tuple[float, ...] = ()
     rule: str = ""  # that verify finds broken, in words
 
 
@@ -45,37 +53,39 @@ class Fault:
 class Remedies:
     """What was learnt from grids that had a fault. unwanted: paths, and why; softer: how many times softer anchors are
     than the rule has them; sides: as in Fault."""
-    unwanted: dict = field(default_factory=dict)
+    unwanted: dict[str, str] = field(default_factory=dict)
     softer: int = 1
-    sides: tuple = (0.0,) * 6
+    sides: tuple[float, ...] = (0.0,) * 6
 
-    may_widen = property(lambda self: max(self.sides) < MOST_ROOM)
+    @property
+    def may_widen(self) -> bool:
+        return max(self.sides) < MOST_ROOM
 
     @classmethod
-    def of(cls, kept):
-        """Those that asdict() gave, or none where `kept` is something else: it may come from a stranger."""
+    def of(cls, stored: Any) -> Remedies:
+        """Those that asdict() gave, or none where `stored` is something else: it may come from a stranger."""
         try:
-            one = cls({str(k): str(why) for k, why in kept["unwanted"].items()}, int(kept["softer"]),
-                      tuple(map(float, kept["sides"])))
+            one = cls({str(k): str(why) for k, why in stored["unwanted"].items()}, int(stored["softer"]),
+                      tuple(map(float, stored["sides"])))
         except (TypeError, ValueError, KeyError, AttributeError, OverflowError):
             return cls()
         return one if len(one.sides) == 6 and all(0 <= v < 100 for v in one.sides) and 0 < one.softer < 1 << 20 else cls()
 
 
-def make_grid(start, shapes):
+def make_grid(start: Start, shapes: Result) -> Definition:
     """The Definition of the grid that has no fault, after as many as that takes. With --until definition its grid is not
     there yet."""
-    kept = start.folder
-    name = kept.name()
+    folder = start.folder
+    name = folder.name()
     toml = f"{name}.toml"
-    by_hand = kept.changed_by_hand(toml)
+    by_hand = folder.changed_by_hand(toml)
     if by_hand:
-        kept.say(f"{toml} was changed by hand: it is kept")
+        folder.say(f"{toml} was changed by hand: it is kept")
     o = start.options
-    key = [kept.digest("report.tsv"), o.paths, o.beyond, o.push, o.hold, o.soft, o.spacing]
-    remedies = Remedies.of(kept.recall("remedies", key))
+    key = [folder.digest("report.tsv"), o.paths, o.beyond, o.push, o.hold, o.soft, o.spacing]
+    remedies = Remedies.of(folder.recall("remedies", key))
     while True:
-        one, fault = (Definition(name, paths_of(kept.path(toml))), None) if by_hand else planned(start, shapes, remedies)
+        one, fault = (Definition(name, paths_of(folder.path(toml))), None) if by_hand else planned(start, shapes, remedies)
         if fault is None and start.options.until is None:
             # Where a coarse grid told the spacing it told the room, too.
             look = start.options.spacing and remedies.may_widen and not by_hand and not one.held
@@ -86,18 +96,18 @@ def make_grid(start, shapes):
         if cured is None:
             raise (BreaksRule if fault.kind == RULE else Failed)(fault.text)
         if fault.kind == RULE and len(cured[0].unwanted) > len(remedies.unwanted):
-            kept.write(report_without(one.paths[-1]), kept.read("verify.txt"))
+            folder.write(report_without(one.paths[-1]), folder.read("verify.txt"))
         remedies, words = cured
-        kept.remember("remedies", key, asdict(remedies))
-        kept.say("  " + words)
+        folder.remember("remedies", key, asdict(remedies))
+        folder.say("  " + words)
 
 
-def report_without(path):
+def report_without(path: str) -> str:
     """The file that keeps verify's report on the grid that had this path."""
     return f"verify-{path}.txt"
 
 
-def cure(remedies, fault, definition):
+def cure(remedies: Remedies, fault: Fault, definition: Definition) -> tuple[Remedies, str] | None:
     """(Remedies that also cure the fault of a grid, what is done in words), None where there is no cure."""
     rule, paths = definition.stiffness, definition.paths
     if fault.kind == ROOM:
@@ -113,94 +123,96 @@ def cure(remedies, fault, definition):
     return None
 
 
-def planned(start, shapes, remedies):
+def planned(start: Start, shapes: Result, remedies: Remedies) -> tuple[Definition, Fault | None]:
     """(the Definition of the grid, the Fault of its coarse grid or None)."""
-    o, kept = start.options, start.folder
+    o, folder = start.options, start.folder
     hold = holding.decided(start, shapes)
-    still = {}
+    still: dict[str, str] = {}
     if hold and hold.torsions:
         moving = {t.name for t in hold.torsions}
         why = f"does not move {holding.words(start.molecule, hold.atoms)}, which is held"
         still = {f.name: why for f in shapes.found if f.name not in moving}
-    paths = choice.choose(start, shapes, still | remedies.unwanted)
-    corners = holding.box(shapes, hold, paths) if hold and paths else None
+    paths = path_selection.choose(start, shapes, still | remedies.unwanted)
+    if not paths:
+        hold = None
+    corners = holding.box(shapes, hold, paths) if hold else None
     one = Definition.around(start.molecule, shapes, paths, o.beyond, o.spacing or 0.0, remedies.sides, corners)
     one.torsions = start.turned_by(paths)
-    if corners is None:
+    if hold is None:
         one.stiffness = stiffness_of(start, shapes, paths, remedies.softer)
     else:
         one.held = (hold.atoms, hold.fixed, holding.tie(shapes, hold, paths, o.soft))
-        kept.say(f"  the hand holds {holding.words(start.molecule, hold.atoms)}")
+        folder.say(f"  the hand holds {holding.words(start.molecule, hold.atoms)}")
     if not o.spacing:
         one, fault = resolved(start, shapes, one, remedies.may_widen and not one.held)
         if fault is not None:
             return one, fault
     text = one.text()
 
-    def compute():
-        kept.write(f"{kept.name()}.toml", text)
-        return [f"{kept.name()}.toml"]
-    kept.step("definition", f"writing {kept.name()}.toml", [], [text, kept.name()], compute)
+    def compute() -> list[str]:
+        folder.write(f"{folder.name()}.toml", text)
+        return [f"{folder.name()}.toml"]
+    folder.step("definition", f"writing {folder.name()}.toml", [], [text, folder.name()], compute)
     return one, None
 
 
-def stiffness_of(start, shapes, paths, softer):
-    kept = start.folder
+def stiffness_of(start: Start, shapes: Result, paths: Sequence[str], softer: int) -> stiffness.Stiffness:
+    folder = start.folder
     if not paths or start.options.beyond:
         return stiffness.Stiffness()
 
-    def compute():
-        kept.say("computing how stiff the torsions are")
+    def compute() -> tuple[float, ...]:
+        folder.say("computing how stiff the torsions are")
         surface = start.surface(shapes.x)
         tangents = [stiffness.tangent(surface.tree, [node * BOHR for node in f.nodes], f.start, surface.masses)
                     for f in shapes.found if f.name in paths]
         hessian = surface.hessian(shapes.x) * HARTREE / BOHR**2
         return astuple(stiffness.rule(hessian, shapes.x * BOHR, surface.masses, tangents, PENALTY).rounded())
-    digests = [kept.digest(name) for name in ("conformation.xyz", *(name + ".xyz" for name in paths))]
-    key = ["stiffness", kept.version, start.words, start.molecule.charge, start.molecule.unpaired, digests]
-    return kept.kept.take(key, compute, lambda values: stiffness.Stiffness(*map(xyz.finite, values))).softer(softer)
+    digests = [folder.digest(name) for name in ("conformation.xyz", *(name + ".xyz" for name in paths))]
+    key = ["stiffness", folder.version, start.words, start.molecule.charge, start.molecule.unpaired, digests]
+    return folder.cache.take(key, compute, lambda values: stiffness.Stiffness(*map(xyz.finite, values))).softer(softer)
 
 
-def resolved(start, shapes, coarse, may_widen):
+def resolved(start: Start, shapes: Result, coarse: Definition, may_widen: bool) -> tuple[Definition, Fault | None]:
     """(the Definition with the spacing that a coarse grid tells, the Fault of the coarse grid or None)."""
-    kept, threads = start.folder, start.options.threads
+    folder, threads = start.folder, start.options.threads
     text = coarse.text()
 
-    def compute():
-        kept.write("coarse.toml", text)
+    def compute() -> list[str] | Fault:
+        folder.write("coarse.toml", text)
         what = f"computing a coarse grid, {coarse.spacing:g} Å, from which the box and the spacing follow"
         fault = computed(start, what, "coarse", None, may_widen)
         if fault is not None:
             return fault
-        kept.write("coarse.json", resolution.measure(start, "coarse.grid"))
+        folder.write("coarse.json", resolution.measure(start, "coarse.grid"))
         return ["coarse.toml", "coarse.grid", "coarse.grid.cost", "coarse.json"]
-    fault = kept.step("resolution", "", shapes.files(), [text, resolution.WANTED], compute)
+    fault = folder.step("resolution", "", shapes.files(), [text, resolution.WANTED], compute)
     if fault is not None:
         return coarse, fault
-    spacing = resolution.decide(kept.read("coarse.json"), coarse)
-    seconds = resolution.scaled(grid.cpu_seconds(kept, "coarse.grid") / threads, coarse.spacing, spacing)
+    spacing = resolution.decide(folder.read("coarse.json"), coarse)
+    seconds = resolution.scaled(grid.cpu_seconds(folder, "coarse.grid") / threads, coarse.spacing, spacing)
     one = replace(coarse, spacing=spacing, seconds=seconds)
-    kept.say(f"  spacing {spacing:g} Å, {math.prod(one.counts())} points, {about(seconds, threads)}")
+    folder.say(f"  spacing {spacing:g} Å, {math.prod(one.counts())} points, {about(seconds, threads)}")
     if seconds > LONG:
         coarser = resolution.coarser(spacing)
         points = math.prod(replace(coarse, spacing=coarser).counts())
-        kept.say(f"  where that is too long: --spacing {coarser:g} has {points} points and takes about "
-                 f"{duration(resolution.scaled(seconds, spacing, coarser))}, but its shapes are farther off")
+        folder.say(f"  where that is too long: --spacing {coarser:g} has {points} points and takes about "
+                   f"{duration(resolution.scaled(seconds, spacing, coarser))}, but its shapes are farther off")
     return one, None
 
 
-def computed(start, what, name, seconds, look_for_room):
+def computed(start: Start, what: str, name: str, seconds: float | None, look_for_room: bool) -> Fault | None:
     """Computes a grid; its Fault, or None. seconds: that it takes, where they are known."""
-    kept, threads = start.folder, start.options.threads
-    seconds = seconds or grid.estimated(kept, f"{name}.toml", threads)
-    kept.say(what + (", " + about(seconds, threads) if seconds else ""))
-    failed = grid.compute(kept, what, f"{name}.toml", f"{name}.grid", threads, seconds)
+    folder, threads = start.folder, start.options.threads
+    seconds = seconds or grid.estimated(folder, f"{name}.toml", threads)
+    folder.say(what + (", " + about(seconds, threads) if seconds else ""))
+    failed = grid.compute(folder, what, f"{name}.toml", f"{name}.grid", threads, seconds)
     if failed is not None:
         return Fault(*failed)
-    return short_of_room(kept, f"{name}.grid") if look_for_room else None
+    return short_of_room(folder, f"{name}.grid") if look_for_room else None
 
 
-def short_of_room(folder, made):
+def short_of_room(folder: Work, made: str) -> Fault | None:
     """The Fault of a grid at whose sides the molecule is held, or None."""
     array = ".room.npy"
     try:
@@ -217,26 +229,26 @@ def short_of_room(folder, made):
     return Fault(ROOM, "the molecule is pushed as far as a side of the box", tuple((spacing * sides).tolist()))
 
 
-def grid_fault(start, definition, look_for_room):
+def grid_fault(start: Start, definition: Definition, look_for_room: bool) -> Fault | None:
     """Computes and verifies the grid; its Fault, or None."""
-    o, kept = start.options, start.folder
-    name = kept.name()
+    o, folder = start.options, start.folder
+    name = folder.name()
     toml, made = f"{name}.toml", f"{name}.grid"
 
-    def compute():
+    def compute() -> list[str] | Fault:
         what = f"computing {made}, how the molecule yields at each place of the hand"
         return computed(start, what, name, definition.seconds, look_for_room) or [made, f"{made}.cost"]
-    fault = kept.step("grid", "", [toml, "conformation.xyz", *(path + ".xyz" for path in definition.paths)], [], compute)
+    fault = folder.step("grid", "", [toml, "conformation.xyz", *(path + ".xyz" for path in definition.paths)], [], compute)
     if fault is not None:
         return fault
     title = "checking that the grid is whole and that its states are the model's"
 
-    def verify():
-        seconds = VERIFY_SHARE * grid.cpu_seconds(kept, made) / o.threads
-        fine = grid.verify(kept, title, made, o.threads, seconds)
+    def verify() -> list[str] | Fault:
+        seconds = VERIFY_SHARE * grid.cpu_seconds(folder, made) / o.threads
+        fine = grid.verify(folder, title, made, o.threads, seconds)
         if fine:
             return ["verify.txt"]
-        broken = re.findall(r"^(\S+) .* (?:broken|BROKEN)$", kept.read("verify.txt"), re.M)
+        broken = re.findall(r"^(\S+) .* (?:broken|BROKEN)$", folder.read("verify.txt"), re.M)
         rule = "the rule " + " and ".join(broken) if broken else "a rule"
-        return Fault(RULE, f"{made} breaks {rule}: see {kept.path('verify.txt')}", rule=rule)
-    return kept.step("verify", title, [made], [], verify)
+        return Fault(RULE, f"{made} breaks {rule}: see {folder.path('verify.txt')}", rule=rule)
+    return folder.step("verify", title, [made], [], verify)

@@ -8,10 +8,15 @@ Along the held atom's way the torsion's energy E has the curvature E''. A tie th
 atom over the top of a barrier, where it can be balanced; a softer one lets it snap over.
 """
 
+from __future__ import annotations
+
 import re
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
+from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.cli import UsageError
 from hapgrid.apps.common.files import Failed
 from rdkit import Chem
@@ -19,8 +24,13 @@ from scipy.interpolate import CubicSpline
 
 from . import geometry, rotors
 from .elements import MASSES
-from .molecule import listed
+from .molecule import Molecule, listed
+from .results import Path, Result
+from .torsions import Torsion
 from .xtb import BOHR, HARTREE
+
+if TYPE_CHECKING:
+    from .steps import Start
 
 STIFF, SOFT = 2.0, 0.5  # times the largest -E'': the tie's stiffness
 LEAST_TIE, MOST_TIE = 20.0, 4000.0  # kJ/(mol Å²); a softer one is a rubber band, where barriers are low
@@ -36,9 +46,9 @@ STEP = 0.002  # angstrom a tick, of a way
 @dataclass(frozen=True)
 class Hold:
     """atoms: whose centre is held; fixed: those that stay; torsions: those that move what is held; counted from 0."""
-    atoms: tuple
-    fixed: tuple
-    torsions: tuple
+    atoms: tuple[int, ...]
+    fixed: tuple[int, ...]
+    torsions: tuple[Torsion, ...]
 
 
 @dataclass(frozen=True)
@@ -49,14 +59,14 @@ class Tie:
     stiffness: float
     arm: float
 
-    def rounded(self):
+    def rounded(self) -> tuple[float, float, float, float]:
         """What a definition says: (force, width, shift stiffness, rotation stiffness)."""
         force, tie = (float(f"{v:.2g}") for v in (self.force, self.stiffness))
         shift = min(ANCHORS * tie, 1e5)
         return force, float(f"{force / tie:.3g}"), float(f"{shift:.2g}"), float(f"{min(shift * max(self.arm, 1)**2, 1e6):.2g}")
 
 
-def named(molecule, text):
+def named(molecule: Molecule, text: str) -> tuple[int, ...]:
     """The atoms of --hold: names as in the pictures, numbers from 1, or a SMARTS, with commas between.
     Errors: UsageError, where there is no such atom."""
     names = {rotors.label(molecule.numbers, a): a for a in range(len(molecule.numbers))}
@@ -75,17 +85,17 @@ def named(molecule, text):
     return tuple(sorted(match[0]))
 
 
-def words(molecule, atoms):
+def words(molecule: Molecule, atoms: Sequence[int]) -> str:
     return ("the centre of " if len(atoms) > 1 else "") + ", ".join(rotors.label(molecule.numbers, a) for a in atoms)
 
 
-def _sides(torsion, count):
+def _sides(torsion: Torsion, count: int) -> tuple[frozenset[int], frozenset[int]]:
     """The two parts that a torsion turns against each other, without the atoms of its bond."""
     moved = frozenset(torsion.moved)
     return moved, frozenset(range(count)) - moved - set(torsion.atoms[1:3])
 
 
-def _fixed_by(torsion, atoms, count):
+def _fixed_by(torsion: Torsion, atoms: Sequence[int], count: int) -> tuple[int, ...] | None:
     """What is fixed where these atoms are held and the torsion turns; None where it does not part them from anything."""
     for here, there in (_sides(torsion, count), _sides(torsion, count)[::-1]):
         if set(atoms) <= here:
@@ -93,17 +103,17 @@ def _fixed_by(torsion, atoms, count):
     return None
 
 
-def way(x, atoms):
+def way(x: Array, atoms: Sequence[int]) -> Array:
     return np.asarray(x)[list(atoms)].mean(axis=0)
 
 
-def _goes(torsion, x, hold, masses):
+def _goes(torsion: Torsion, x: Array, hold: Hold, masses: Array) -> float:
     """How far a torsion alone moves what is held, angstrom."""
     turned = geometry.aligned(torsion.turned(x, TURN), x, _weights(masses, hold.fixed))
-    return np.linalg.norm(way(turned, hold.atoms) - way(x, hold.atoms)) * BOHR
+    return float(np.linalg.norm(way(turned, hold.atoms) - way(x, hold.atoms))) * BOHR
 
 
-def _weights(masses, fixed):
+def _weights(masses: Array, fixed: Sequence[int]) -> Array:
     if not fixed:
         return masses
     out = np.zeros(len(masses))
@@ -111,7 +121,7 @@ def _weights(masses, fixed):
     return out
 
 
-def _of(molecule, torsions, atoms, x):
+def _of(molecule: Molecule, torsions: Sequence[Torsion], atoms: Sequence[int], x: Array) -> Hold | None:
     """The Hold of these atoms, where a torsion moves them; fixed is what the nearest such bond parts them from."""
     count, masses = len(molecule.numbers), np.array([MASSES[z] for z in molecule.numbers])
     fixed = [one for one in (_fixed_by(t, atoms, count) for t in torsions) if one]
@@ -122,7 +132,7 @@ def _of(molecule, torsions, atoms, x):
     return Hold(held.atoms, held.fixed, moving) if moving else None
 
 
-def candidates(molecule, torsions, wanted, x):
+def candidates(molecule: Molecule, torsions: Sequence[Torsion], wanted: str | None, x: Array) -> list[Hold]:
     """The Holds that are tried, the best first. wanted: of --hold, or None: the atom at which a torsion's lighter side ends,
     first that of the torsion whose lighter side is heaviest, and methyl groups last. x: a shape, bohr."""
     if wanted is not None:
@@ -136,12 +146,12 @@ def candidates(molecule, torsions, wanted, x):
                          + listed([rotors.label(molecule.numbers, a) for a in moving]))
         return [held]
 
-    def weight(side):
+    def weight(side: Collection[int]) -> float:
         return round(sum(MASSES[molecule.numbers[a]] for a in side), 3)
 
-    def order(torsion):
+    def order(torsion: Torsion) -> tuple[bool, float]:
         return torsion.rotor, -min(map(weight, _sides(torsion, len(molecule.numbers))))
-    out = []
+    out: list[Hold] = []
     for torsion in sorted(torsions, key=order):
         moved, rest = _sides(torsion, len(molecule.numbers))
         end = torsion.atoms[3] if weight(moved) <= weight(rest) else torsion.atoms[0]
@@ -151,7 +161,7 @@ def candidates(molecule, torsions, wanted, x):
     return out
 
 
-def decided(start, result):
+def decided(start: Start, result: Result) -> Hold | None:
     """The Hold for the paths that were found, or None where none was. An ensemble's paths turn several bonds: what moves
     farthest on them is held, and the molecule stays by its mass."""
     o, found = start.options, {f.name for f in result.found}
@@ -169,7 +179,7 @@ def decided(start, result):
     return Hold((int(np.argmax(far)),), (), ())
 
 
-def ways(result, hold, names):
+def ways(result: Result, hold: Hold, names: Collection[str]) -> dict[str, tuple[Array, Array]]:
     """{name of a path: (places of what is held at its nodes, Å; energies at the nodes, kJ/mol)}"""
     weights, out = _weights(result.masses, hold.fixed), {}
     for f in result.found:
@@ -180,7 +190,7 @@ def ways(result, hold, names):
     return out
 
 
-def tie(result, hold, names, soft):
+def tie(result: Result, hold: Hold, names: Collection[str], soft: bool) -> Tie:
     """The Tie for these paths."""
     slope = bend = 0.0
     for places, energies in ways(result, hold, names).values():
@@ -199,7 +209,7 @@ def tie(result, hold, names, soft):
     return Tie(force, max(stiffness, force / 10), float(np.linalg.norm(way(result.x, hold.atoms) - centre)) * BOHR)
 
 
-def box(result, hold, names):
+def box(result: Result, hold: Hold, names: Collection[str]) -> tuple[Array, Array]:
     """(low, high): corners of a box with all places of what is held, and room to pull it. Where several torsions move it their
     ways add up."""
     rest = way(result.x, hold.atoms) * BOHR
@@ -210,9 +220,9 @@ def box(result, hold, names):
     return rest + low - ROOM, rest + high + ROOM
 
 
-def there_and_back(path, places):
+def there_and_back(path: Path, places: Array) -> Array:
     """Places of the hand, a tick each, on which it leads what is held along its way and back: all round and back where the path
-    closes, else to both ends. path: results.Path."""
+    closes, else to both ends."""
     start, last = path.start, len(places) - 1
     closes = geometry.rms(path.nodes[0], path.nodes[-1]) < 1e-6
     if closes:

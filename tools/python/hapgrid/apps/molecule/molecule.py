@@ -1,10 +1,14 @@
 """A molecule, its force field, and sampling its conformers, with RDKit."""
 
+from __future__ import annotations
+
 import numpy as np
 from hapgrid.apps.common.files import Failed
 from rdkit import Chem, RDLogger
 from rdkit.Chem import rdDistGeom, rdForceFieldHelpers, rdMolDescriptors
 from rdkit.ForceField import rdForceField  # Python must know the type of force fields
+from collections.abc import Sequence
+from hapgrid.apps.common.arrays import Array, Neighbours
 
 RDLogger.DisableLog("rdApp.*")  # what it says is for programmers
 
@@ -24,7 +28,9 @@ class Molecule:
     which are double bonds and amides; charge: e; unpaired: electrons; built: whether its shape was; said: what was decided
     when it was read, in lines; formula: with the charge; rd: RDKit's molecule."""
 
-    def __init__(self, what, numbers, positions, charges, bonds, charge, unpaired=0, built=False, said=()):
+    def __init__(self, what: str, numbers: Sequence[int], positions: Array | Sequence[Sequence[float]],
+                 charges: Sequence[int], bonds: Sequence[tuple[int, int, int]], charge: int, unpaired: int = 0,
+                 built: bool = False, said: Sequence[str] = ()) -> None:
         """charges: of the atoms; bonds: (atom, atom, order 1, 2 or 3)."""
         self.numbers = [int(z) for z in numbers]
         self.positions = np.array(positions, float).reshape(-1, 3)
@@ -40,16 +46,16 @@ class Molecule:
         self.amides = [a for a in amides if not self.rd.GetBondBetweenAtoms(*a).IsInRing()]
         self.double = {*amides, *((min(j, k), max(j, k)) for j, k, order in bonds if order != 1)}
 
-    def matches(self, smarts):
+    def matches(self, smarts: str) -> list[tuple[int, ...]]:
         """The atoms, counted from 0, of each place that a pattern matches."""
         return [tuple(m) for m in self.rd.GetSubstructMatches(Chem.MolFromSmarts(smarts), maxMatches=10000)]
 
-    def rings(self):
+    def rings(self) -> list[list[int]]:
         """The atoms, counted from 0, of each of the smallest rings, in the order of its bonds."""
         return [list(ring) for ring in Chem.GetSSSR(self.rd)]
 
 
-def unsanitized(numbers, charges, bonds):
+def unsanitized(numbers: Sequence[int], charges: Sequence[int], bonds: Sequence[tuple[int, int, int]]) -> Chem.RWMol:
     """RDKit's molecule of atoms that get no other hydrogens. bonds: (atom, atom, order)."""
     rd = Chem.RWMol()
     for z, charge in zip(numbers, charges):
@@ -62,7 +68,7 @@ def unsanitized(numbers, charges, bonds):
     return rd
 
 
-def rdkit_molecule(numbers, charges, bonds):
+def rdkit_molecule(numbers: Sequence[int], charges: Sequence[int], bonds: Sequence[tuple[int, int, int]]) -> Chem.Mol:
     """The same, sanitized. Where RDKit knows no such valences it has them all the same."""
     for leave in (Chem.SANITIZE_NONE, Chem.SANITIZE_PROPERTIES, Chem.SANITIZE_PROPERTIES | Chem.SANITIZE_KEKULIZE):
         one = Chem.Mol(unsanitized(numbers, charges, bonds))
@@ -71,7 +77,7 @@ def rdkit_molecule(numbers, charges, bonds):
     raise BadInput("a molecule whose bonds RDKit does not understand")
 
 
-def placed(rd, positions):
+def placed(rd: Chem.Mol, positions: Array) -> Chem.Mol:
     """A copy of RDKit's molecule with these coordinates alone, angstrom."""
     rd = Chem.Mol(rd)
     rd.RemoveAllConformers()
@@ -83,7 +89,7 @@ def placed(rd, positions):
     return rd
 
 
-def relaxed(rd, positions, steps, fixed=()):
+def relaxed(rd: Chem.Mol, positions: Array, steps: int, fixed: Sequence[int] | range = ()) -> tuple[float, Array]:
     """(energy, positions in angstrom) after some steps with MMFF94, or with UFF where that has no parameters; as they
     are where neither has. Energies of one molecule can be compared with each other. fixed: atoms that stay."""
     rd = placed(rd, positions)
@@ -108,32 +114,32 @@ def relaxed(rd, positions, steps, fixed=()):
     return field.CalcEnergy(), np.array(field.Positions()).reshape(-1, 3)
 
 
-def signed(charge):
+def signed(charge: int) -> str:
     return f"{charge:+d}" if charge else "0"
 
 
-def listed(words):
+def listed(words: Sequence[str]) -> str:
     return ", ".join(words[:NAMED]) + (f" and {len(words) - NAMED} more" if len(words) > NAMED else "")
 
 
-def numbers_of(rd):
+def numbers_of(rd: Chem.Mol) -> list[int]:
     return [a.GetAtomicNum() for a in rd.GetAtoms()]
 
 
-def places_of(rd):
+def places_of(rd: Chem.Mol) -> Array:
     return rd.GetConformer().GetPositions() if rd.GetNumConformers() else np.zeros((rd.GetNumAtoms(), 3))
 
 
-def neighbours_of(rd):
+def neighbours_of(rd: Chem.Mol) -> Neighbours:
     """Of each atom, ascending."""
     return [sorted(n.GetIdx() for n in a.GetNeighbors()) for a in rd.GetAtoms()]
 
 
-def is_flat(x):
+def is_flat(x: Array) -> bool:
     return len(x) > 3 and np.ptp(x[:, 2]) < 0.01
 
 
-def conformers(molecule, number):
+def conformers(molecule: Molecule, number: int) -> list[Array]:
     """Up to `number` shapes (angstrom) by distance geometry, relaxed by the force field, the lowest first, none twice. Torsions
     are drawn without the preferences of ETKDG, which are those of crystals.
 
@@ -144,7 +150,7 @@ def conformers(molecule, number):
     Chem.AssignStereochemistryFrom3D(rd)
     options.randomSeed, options.maxIterations = SEED, ITERATIONS
     embedded = [rd.GetConformer(n).GetPositions() for n in rdDistGeom.EmbedMultipleConfs(rd, TRIES, options)]
-    found = {}
+    found: dict[float, Array] = {}
     for x in [molecule.positions, *embedded]:
         energy, x = relaxed(molecule.rd, x, STEPS)
         found.setdefault(round(energy, 2), x)  # equal energies are those of one shape, or of its mirror image

@@ -5,13 +5,22 @@ torsion, so steps are taken along the eigenvectors of a Hessian, never along the
 search for a saddle is the same, but it climbs along one eigenvector (Cerjan and Miller 1981).
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
 import numpy as np
+from hapgrid.apps.common.arrays import Array
 from scipy.optimize import brentq
 
 from . import geometry
 from .results import Point
 from .xtb import WAVE_NUMBER
 
+
+if TYPE_CHECKING:
+    from .xtb import Surface
 
 FINE = 3e-6  # hartree/bohr: the largest component of the gradient at a minimum or a saddle
 
@@ -28,7 +37,7 @@ class NotConverged(NoPath):
     """The steps did not suffice."""
 
 
-def projected(hessian, x, weights=None):
+def projected(hessian: Array, x: Array, weights: Array | None = None) -> tuple[Array, Array]:
     """(eigenvalues ascending, eigenvectors) without shifts and turns. With masses as weights they
     are those of mass-weighted coordinates."""
     weights = np.ones(len(x)) if weights is None else weights
@@ -40,27 +49,27 @@ def projected(hessian, x, weights=None):
     return values, basis @ vectors
 
 
-def wave_numbers(hessian, x, masses):
+def wave_numbers(hessian: Array, x: Array, masses: Array) -> Array:
     """Normal modes in cm^-1, ascending; imaginary ones negative."""
     values, _ = projected(hessian, x, masses)
     return np.sign(values) * np.sqrt(np.abs(values)) * WAVE_NUMBER
 
 
-def point(surface, x):
+def point(surface: Surface, x: Array) -> Point:
     hessian = surface.hessian(x)
     return Point(x, surface.energy(x), hessian, float(wave_numbers(hessian, x, surface.masses)[0]))
 
 
-def _bfgs(hessian, s, y):
+def _bfgs(hessian: Array, s: Array, y: Array) -> Array:
     hs = hessian @ s
     if s @ y < 1e-12:  # the Hessian would no longer be positive definite
         return hessian
     return hessian + np.outer(y, y) / (s @ y) - np.outer(hs, hs) / (s @ hs)
 
 
-def _bofill(hessian, s, y):
+def _bofill(hessian: Array, s: Array, y: Array) -> Array:
     """The update that may keep a negative eigenvalue. Source: Bofill 1994."""
-    r = y - hessian @ s
+    r: Array = y - hessian @ s
     ss, rs, rr = s @ s, r @ s, r @ r
     if ss < 1e-20 or rr < 1e-20:
         return hessian
@@ -69,23 +78,24 @@ def _bofill(hessian, s, y):
     return hessian + rs / (rr * ss) * np.outer(r, r) + (1 - phi) * powell
 
 
-def step_within(values, f, climbed, trust):
+def step_within(values: Array, f: Array, climbed: int | None, trust: float) -> Array:
     """Components of the step to the lowest point of a quadratic surface, within a trust radius; along a mode that is climbed
     to the highest one. values, f: curvatures and slopes along the modes."""
     values, f = values.copy(), f.copy()
     if climbed is not None:
         values[climbed], f[climbed] = abs(values[climbed]), -f[climbed]
 
-    def length(shift):
-        return np.linalg.norm(f / (values + shift))
+    def length(shift: float) -> float:
+        return float(np.linalg.norm(f / (values + shift)))
     shift = max(0.0, 1e-6 - values.min())
     if length(shift) > trust:
         shift = brentq(lambda shift: length(shift) - trust, shift, np.linalg.norm(f) / trust - values.min())
     return -f / (values + shift)
 
 
-def search(function, x, hessian, *, climb=None, tolerance=1e-5, steps=300, longest=0.3, renew=None, every=0,
-           strict=True, passed=None):
+def search(function: Callable[[Array], tuple[float, Array]], x: Array, hessian: Array, *, climb: Array | None = None,
+           tolerance: float = 1e-5, steps: int = 300, longest: float = 0.3, renew: Callable[[Array], Array] | None = None,
+           every: int = 0, strict: bool = True, passed: list[Array] | None = None) -> tuple[Array, float, Array]:
     """A stationary point near x: a minimum, or with `climb` a saddle.
 
     function(x): (energy, gradient). hessian: the first one. climb: a vector (3 atoms); the mode
@@ -108,7 +118,7 @@ def search(function, x, hessian, *, climb=None, tolerance=1e-5, steps=300, longe
             chosen = int(np.argmax(np.abs(vectors[:, :int((values < 0).sum()) or 8].T @ mode)))
             mode = vectors[:, chosen]
         step = step_within(values, f, chosen, trust)
-        length = np.linalg.norm(step)
+        length = float(np.linalg.norm(step))
         expected = f @ step + step @ (values * step) / 2
         moved = x + (vectors @ step).reshape(-1, 3)
         new_energy, new_gradient = function(moved)
@@ -125,14 +135,15 @@ def search(function, x, hessian, *, climb=None, tolerance=1e-5, steps=300, longe
         x, energy, gradient = moved, new_energy, new_gradient
         if passed is not None:
             passed.append(x)
-        if every and (count + 1) % every == 0:
+        if renew and every and (count + 1) % every == 0:
             hessian = renew(x)
     if strict:
         raise NotConverged(f"not converged: {steps} steps left a gradient of {np.abs(gradient).max():.1e} hartree/bohr")
     return x, energy, hessian
 
 
-def minimum(surface, x, hessian=None, longest=0.3, passed=None):
+def minimum(surface: Surface, x: Array, hessian: Array | None = None, longest: float = 0.3,
+            passed: list[Array] | None = None) -> Point:
     """The minimum downhill of x, with its exact Hessian. longest, passed: as search() has them; short steps stay in the valley
     where they start."""
     hessian = surface.hessian(x) if hessian is None else hessian
@@ -151,7 +162,7 @@ def minimum(surface, x, hessian=None, longest=0.3, passed=None):
     raise NotConverged("not converged: no minimum near a point of symmetry")
 
 
-def saddle(surface, x, direction):
+def saddle(surface: Surface, x: Array, direction: Array) -> Point:
     """The saddle uphill along the mode nearest to `direction` (3 atoms), with its exact Hessian. Steps are short, since long
     ones on an updated Hessian leave the ridge where a soft torsion's scan snaps over."""
     x, *_ = search(surface, x, surface.hessian(x), climb=direction, tolerance=FINE, steps=200, longest=0.2,

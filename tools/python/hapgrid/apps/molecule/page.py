@@ -1,18 +1,27 @@
 """Plots, pictures, and the page that sums up. Names and texts in it may come from anybody; none of them is trusted."""
 
+from __future__ import annotations
+
 import html
 import json
 import re
 import shlex
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
+from hapgrid.apps.common.work import Work
 from rdkit import Chem
 
-from . import choice, files
+from . import path_selection, files
 from .elements import COLOURS, SYMBOLS
 from .molecule import placed, signed
-from .pushing import read_log
-from .xyz import frames, frames_of
+from .probe_lines import read_log
+from .xyz import Frame, frames, frames_of
+
+if TYPE_CHECKING:
+    from .steps import Start
+    from .torsions import Torsion
 
 ALL_BONDS = 4 | 8  # of RDKit: bonds between all atoms, each once
 CURVES = (("energy.png", "own_energy", "energy of the molecule / (kJ/mol)"), ("force.png", "sent", "force on the hand / N"))
@@ -22,30 +31,30 @@ network, and can be sent to others."""
 SPINS = ("singlet", "doublet", "triplet", "quartet", "quintet")
 
 
-def write(start, turned, ways):
+def write(start: Start, turned: Sequence[Torsion], ways: Sequence[str]) -> list[str]:
     """Writes the page and returns the names of its files. start: steps.Start; turned: the torsions that
     the grid's paths turn; ways: files of the probe's ways, the best first."""
-    kept, run = start.folder, start.folder.run
-    run("play", f"{kept.name()}.grid", "--device", f"path:{ways[0]}", "--log", "played.log", "--frames", "played.frames",
-        watch=lambda gone: kept.waiting("playing the way", gone, None))
+    folder, run = start.folder, start.folder.run
+    run("play", f"{folder.name()}.grid", "--device", f"path:{ways[0]}", "--log", "played.log", "--frames", "played.frames",
+        watch=lambda gone: folder.waiting("playing the way", gone, None))
     run("view", "played.frames", "--xyz", "played.xyz")
     # The probe is no element: it comes as the last atom, and as helium.
     probed = frames_of(run("view", "played.frames", "--xyz", "-", "--hip-label", "He").out, "played.frames")
-    kept.write("played.pdb", pdb(start.molecule.rd, probed))
+    folder.write("played.pdb", pdb(start.molecule.rd, probed))
     for name, column, label in CURVES:
         run("plot", "columns", "played.log", "--y", column, "--labels", f"time / s,{label}", "-o", name)
-    log = read_log(kept.read("played.log"))
+    log = read_log(folder.read("played.log"))
     x, y = (log[a] - log[a][0] for a in "xy")
     far = int((x**2 + y**2).argmax())
     azimuth = f"{np.degrees(np.arctan2(y[far], x[far])):.0f}"  # from which the probe comes from the left
     run("view", "played.frames", "--azimuth", azimuth, "--elevation", "10", "--html", "played.html")
-    felt = kept.feel_page(f"{kept.name()}.grid")
-    kept.write("index.html", page(start, turned, ways, felt))
+    felt = folder.feel_page(f"{folder.name()}.grid")
+    folder.write("index.html", page(start, turned, ways, felt))
     return [*felt, "played.log", "played.frames", "played.xyz", "played.pdb", *(name for name, *_ in CURVES), "played.html",
             "index.html"]
 
 
-def pdb(rd, shapes):
+def pdb(rd: Chem.Mol, shapes: Sequence[Frame]) -> str:
     """The text of a PDB file of xyz.Frames, each a model, whose last atom is the probe. rd: RDKit's molecule without it."""
     rd, probe = Chem.RWMol(rd), Chem.Atom(0)
     probe.SetMonomerInfo(Chem.AtomPDBResidueInfo(" X  ", residueName="HIP", residueNumber=2, isHeteroAtom=True))
@@ -55,13 +64,13 @@ def pdb(rd, shapes):
     return Chem.MolToPDBBlock(rd, flavor=ALL_BONDS)
 
 
-def page(start, turned, ways, felt):
-    kept = start.folder
-    name = kept.name()
-    one = frames(kept.path("conformation.xyz"))[0]
+def page(start: Start, turned: Sequence[Torsion], ways: Sequence[str], felt: list[str]) -> str:
+    folder = start.folder
+    name = folder.name()
+    one = frames(folder.path("conformation.xyz"))[0]
     words = one.words
-    method = re.sub("gfn2|gfnff", lambda found: METHODS[found[0]], words.get("method", "own energies"))
-    box = json.loads(kept.run("stats", f"{name}.grid", "--format", "json").out)["box"]
+    method = re.sub("gfn2|gfnff", lambda found: METHODS[str(found[0])], words.get("method", "own energies"))
+    box = json.loads(folder.run("stats", f"{name}.grid", "--format", "json").out)["box"]
     spins = start.molecule.unpaired
     facts = {"Formula": formula(start.molecule.formula), "Charge": signed(start.molecule.charge),
              "Spin": SPINS[spins] if spins < len(SPINS) else f"multiplicity {spins + 1}", "Made from": start.source,
@@ -74,21 +83,21 @@ def page(start, turned, ways, felt):
                 "torsions": [[t.name, *t.atoms, t in turned] for t in start.turning]}
     parts = {
         "TITLE": html.escape(start.source), "HEAD": formula(start.molecule.formula),
-        "SAID": html.escape(kept.read(ways[0]).split("\n", 1)[0].lstrip("# ")),
+        "SAID": html.escape(folder.read(ways[0]).split("\n", 1)[0].lstrip("# ")),
         "FACTS": "".join(f"<dt>{key}<dd>{value if key == 'Formula' else html.escape(value)}"
                          for key, value in facts.items() if value),
-        "FEEL": ("" if turned else f"<p>{html.escape(choice.nothing_turns(kept))}.") + (FEEL if felt else ""),
+        "FEEL": ("" if turned else f"<p>{html.escape(path_selection.nothing_turns(folder))}.") + (FEEL if felt else ""),
         "GRID": html.escape(shlex.quote(f"{name}.grid")), "WAY": html.escape(shlex.quote(f"path:{ways[0]}")),
-        "TOML": html.escape(f"{name}.toml"), "TABLE": barriers(kept), "METHOD": html.escape(method),
-        "MOLECULE": json.dumps(molecule).replace("<", "\\u003c"), "VERIFY": html.escape(kept.read("verify.txt"))}
-    return re.sub("@([A-Z]+)@", lambda found: parts[found[1]], TEMPLATE)
+        "TOML": html.escape(f"{name}.toml"), "TABLE": barriers(folder), "METHOD": html.escape(method),
+        "MOLECULE": json.dumps(molecule).replace("<", "\\u003c"), "VERIFY": html.escape(folder.read("verify.txt"))}
+    return re.sub("@([A-Z]+)@", lambda found: parts[str(found[1])], TEMPLATE)
 
 
-def barriers(kept):
+def barriers(folder: Work) -> str:
     """Rows of a table: each path with its barrier and what lies behind it."""
-    report = {row["name"]: row for row in files.rows(kept, "report.tsv", files.REPORT)}
+    report = {row["name"]: row for row in files.rows(folder, "report.tsv", files.REPORT)}
     rows = []
-    for row in files.rows(kept, "rotors.tsv", choice.ROTORS):
+    for row in files.rows(folder, "rotors.tsv", path_selection.ROTORS):
         one = report.get(row["path"], {})
         behind = [other["energy_kJ_mol"] for name, other in report.items()
                   if name.startswith(row["path"] + ":") and other["kind"].startswith("minimum")]
@@ -98,12 +107,12 @@ def barriers(kept):
     return "\n".join(rows)
 
 
-def formula(text):
+def formula(text: str) -> str:
     """C4H10O with its numbers below the line; a charge above it."""
     return re.sub(r"(\d+)", r"<sub>\1</sub>", re.sub(r"(\d*[+-]+\d*)$", "", html.escape(text)))
 
 
-def library_version():
+def library_version() -> str:
     """Of the libxtb that computes here, by the file's name, since the library does not tell it."""
     with open("/proc/self/maps", encoding="utf-8") as file:
         found = re.search(r"/libxtb\.so\.([0-9.]+)", file.read())

@@ -1,20 +1,24 @@
 """A molecule from a file or from SMILES, ready for quantum chemistry: three-dimensional, with its hydrogens, one piece. What
 cannot be felt is refused here, in one line that says what to do."""
 
+from __future__ import annotations
+
 import os
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
-from hapgrid.apps.common import confined
+from hapgrid.apps.common import sandbox
+from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import read_bytes
 from rdkit import Chem
 from rdkit.Chem import rdMolDescriptors
 
-from . import molecule as prepared
-from . import building, formats, geometry, valences, xyz
+from . import building, formats, geometry, molecule as prepared, valences, xyz
 from .elements import MASSES, SYMBOLS
-from .formats import check_count
+from .formats import Input, Record, check_count
 from .molecule import BadInput, Molecule, is_flat, listed, numbers_of, places_of, signed
 
 ADVICE = "the file is damaged or too complicated: give it in another format, or --smiles"
@@ -24,19 +28,18 @@ TRIPLE = 0.85  # of the sum of the covalent radii: a carbon whose only bond is l
 CARBON_HYDROGEN, BULKY = map(Chem.MolFromSmarts, ("[#1]~[#6]", "[D{4-}]"))
 
 
-def read(path, smiles, charge=None, unpaired=None):
+def read(path: str | None, smiles: str | None, charge: int | None = None, unpaired: int | None = None) -> Molecule:
     """The Molecule of a file or SMILES. charge, unpaired: what the command line says, or None."""
-    what = path if smiles is None else f"SMILES '{smiles}'"
-    if smiles is None:
-        kind = formats.KINDS.get(os.path.splitext(path)[1][1:].lower())
-        if kind is None:
-            raise BadInput(f"{path}: not an .sdf, .mol, .mol2, .pdb or .xyz file")
-        content = read_bytes(path, prepared.MOST_BYTES)
+    what = f"SMILES '{smiles}'" if path is None else path
+    kind = formats.KINDS.get(os.path.splitext(path or "")[1][1:].lower(), "")
+    if path is not None and not kind:
+        raise BadInput(f"{path}: not an .sdf, .mol, .mol2, .pdb or .xyz file")
+    content = b"" if path is None else read_bytes(path, prepared.MOST_BYTES)
 
-    def work():
-        given = formats.smiles(smiles) if smiles is not None else formats.read(formats.decoded(content, path), path, kind)
+    def work() -> dict[str, Any]:
+        given = formats.smiles(smiles or "") if path is None else formats.read(formats.decoded(content, path), path, kind)
         return _one(given, charge, unpaired)
-    one = Molecule(what, **confined.run(work, what, ADVICE))
+    one = Molecule(what, **sandbox.run(work, what, ADVICE))
     electrons = sum(one.numbers) - one.charge
     if electrons < max(1, one.unpaired) or (electrons - one.unpaired) % 2:
         raise BadInput(f"{what}: {electrons} electrons with charge {signed(one.charge)} do not go with {one.unpaired} unpaired ones: "
@@ -44,7 +47,7 @@ def read(path, smiles, charge=None, unpaired=None):
     return one
 
 
-def sdf(one):
+def sdf(one: Molecule) -> str:
     """The text of an SDF file, which started() reads."""
     mol = prepared.placed(one.rd, one.positions)
     Chem.AssignStereochemistryFrom3D(mol)  # or its double bonds are marked as of either side
@@ -52,16 +55,16 @@ def sdf(one):
     return Chem.MolToMolBlock(mol, kekulize=True) + "$$$$\n"
 
 
-def started(path):
+def started(path: str) -> Molecule:
     """The molecule of what sdf() wrote, changed by hand or not."""
     content = read_bytes(path, prepared.MOST_BYTES)
 
-    def work():
+    def work() -> list[dict[str, Any]]:
         text = formats.decoded(content, path)
         mol = formats.read(text, path, "sdf").records[0].mol
         _check(places_of(mol), path)
         return [_plain(mol), dict(word.split("=", 1) for word in text.split("\n", 1)[0].split() if "=" in word)]
-    plain, words = confined.run(work, path, ADVICE)
+    plain, words = sandbox.run(work, path, ADVICE)
     try:
         charge, unpaired = int(words.get("charge", sum(plain["charges"]))), int(words.get("unpaired", 0))
     except ValueError:
@@ -69,20 +72,21 @@ def started(path):
     return Molecule(path, **plain, charge=charge, unpaired=unpaired, built=words.get("built") == "1")
 
 
-def ensemble(path):
+def ensemble(path: str | None) -> list[tuple[int, Array]]:
     """[(number of the frame, positions in angstrom)] of a file of XYZ whose frames are one molecule, the lowest energy first;
     nothing of another file, and where it is one frame, or several molecules."""
     if not path or not path.lower().endswith(".xyz"):
         return []
+    what = path
     content = read_bytes(path, prepared.MOST_BYTES)
 
-    def work():
-        frames = xyz.frames_of(formats.decoded(content, path), path)
+    def work() -> list[tuple[int, Any]]:
+        frames = xyz.frames_of(formats.decoded(content, what), what)
         return [(k + 1, frames[k].x.tolist()) for k in formats.lowest_first(frames)[0]]
-    return [(number, np.array(x)) for number, x in confined.run(work, path, ADVICE)]
+    return [(number, np.array(x)) for number, x in sandbox.run(work, path, ADVICE)]
 
 
-def _one(given, charge, unpaired):
+def _one(given: Input, charge: int | None, unpaired: int | None) -> dict[str, Any]:
     """What makes a Molecule, as JSON can hold it."""
     for record in given.records:
         _refuse_no_coordinates(given, record.mol)
@@ -100,7 +104,7 @@ def _one(given, charge, unpaired):
     return {**_plain(mol), "charge": charge, "unpaired": unpaired or 0, "built": built, "said": said + given.said}
 
 
-def _plain(mol):
+def _plain(mol: Chem.Mol) -> dict[str, Any]:
     """Its atoms and bonds, as JSON can hold them."""
     Chem.Kekulize(mol, clearAromaticFlags=True)
     bonds = [(b.GetBeginAtomIdx(), b.GetEndAtomIdx(), min(max(int(b.GetBondTypeAsDouble()), 1), 3)) for b in mol.GetBonds()]
@@ -108,7 +112,7 @@ def _plain(mol):
             "charges": [a.GetFormalCharge() for a in mol.GetAtoms()], "bonds": bonds}
 
 
-def _refuse_no_coordinates(given, mol):
+def _refuse_no_coordinates(given: Input, mol: Chem.Mol) -> None:
     """What can be seen only before a file's atoms are sorted into molecules."""
     what, numbers, x = given.what, numbers_of(mol), places_of(mol)
     if 0 in numbers:
@@ -119,7 +123,7 @@ def _refuse_no_coordinates(given, mol):
         raise BadInput(f"{what}: flat, and XYZ has no bonds to build a shape from: give an SDF file or --smiles")
 
 
-def _largest(given):
+def _largest(given: Input) -> tuple[Record, list[Record]]:
     """(the formats.Record of the one molecule that is felt, the others). One rule holds for the records of a file, for the pieces
     of a record, and for SMILES with dots: that with the most atoms beside hydrogen, then with the most atoms, then the first."""
     parts = []
@@ -139,13 +143,13 @@ def _largest(given):
     return one, others
 
 
-def _left_out(given, mol, charge, others):
+def _left_out(given: Input, mol: Chem.Mol, charge: int, others: Sequence[Record]) -> str:
     """What is taken, and what is not."""
     return (f"{given.what}: {len(others) + 1} molecules or shapes: the largest is taken, {rdMolDescriptors.CalcMolFormula(mol)} "
             f"with charge {signed(charge)}; left out: {_counted(others)}")
 
 
-def _counted(parts):
+def _counted(parts: Sequence[Record]) -> str:
     """C2H6O, 2 of Na+ with charge +1"""
     counts = Counter((rdMolDescriptors.CalcMolFormula(p.mol), Chem.GetFormalCharge(p.mol)) for p in parts)
     words = [(f"{n} of " if n > 1 else "") + formula + (f" with charge {charge:+d}" if charge else "")
@@ -153,7 +157,7 @@ def _counted(parts):
     return listed(words)
 
 
-def _completed(given, record, charge, unpaired):
+def _completed(given: Input, record: Record, charge: int | None, unpaired: int | None) -> tuple[Chem.Mol, bool]:
     """(the molecule with all hydrogens and a shape, whether that was built)."""
     what, x = given.what, places_of(record.mol)
     nowhere = np.ptp(x, axis=0).max() < 0.1 and len(x) > 1
@@ -180,7 +184,7 @@ def _completed(given, record, charge, unpaired):
     return _built(mol, given), True
 
 
-def _closed(given, mol, nowhere, charge, unpaired):
+def _closed(given: Input, mol: Chem.Mol, nowhere: bool, charge: int | None, unpaired: int | None) -> Chem.Mol:
     """The molecule with bonds, charges and numbers of hydrogens that fit each other. nowhere: whether it has no coordinates."""
     what, total, finds = given.what, Chem.GetFormalCharge(mol), given.kind in ("pdb", "mol2") and not nowhere
     if given.kind == "xyz" and unpaired is None and charge is None:
@@ -206,7 +210,7 @@ def _closed(given, mol, nowhere, charge, unpaired):
     return valences.closed(bare, what, charge, unpaired, filled if lack else None)
 
 
-def _filled(mol, total):
+def _filled(mol: Chem.Mol, total: int | None) -> Chem.Mol | None:
     """With the hydrogens that fit its shape and a total charge, or None. Where charges are is found by closed()."""
     out = Chem.Mol(mol)
     for atom in out.GetAtoms():
@@ -217,7 +221,7 @@ def _filled(mol, total):
     return out
 
 
-def _built(mol, given):
+def _built(mol: Chem.Mol, given: Input) -> Chem.Mol:
     """With a shape in place of what it has."""
     mol = building.with_hydrogens(mol, False)
     free = [place.centeredOn for place in Chem.FindPotentialStereo(mol) if place.type == Chem.StereoType.Atom_Tetrahedral
@@ -227,7 +231,7 @@ def _built(mol, given):
     return prepared.placed(mol, building.shape(mol, given.what))
 
 
-def _refuse_without_hydrogen(mol, what):
+def _refuse_without_hydrogen(mol: Chem.Mol, what: str) -> None:
     """XYZ cannot say which hydrogens it leaves out. A carbon with one neighbour at the distance of a single bond has lost
     some, and so has one with two neighbours that are not on a line with it."""
     x = places_of(mol)
@@ -240,7 +244,7 @@ def _refuse_without_hydrogen(mol, what):
                            "an ion needs --charge, a radical --uhf")
 
 
-def _check(x, what):
+def _check(x: Array, what: str) -> None:
     check_count(len(x), what)
     if not np.isfinite(x).all():
         raise BadInput(f"{what}: a coordinate is not a finite number")

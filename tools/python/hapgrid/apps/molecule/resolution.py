@@ -5,11 +5,18 @@ The coarse grid also tells what a finer one costs on this machine. Conversions a
 each goes a shorter way, in fewer substeps; measured for propanols from 1.1 to 0.3 angstrom: h^-2.3 and h^-2.4.
 """
 
+from __future__ import annotations
+
 import json
 import math
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from hapgrid.apps.common.files import Failed
+
+if TYPE_CHECKING:
+    from .definition import Definition
+    from .steps import Start
 
 # In 99 of 100 places the shape is off by WANTED at most, as far as verify can tell the spacing for that. This is about places
 # in one branch: where branches end, play asks the model itself beside the grid.
@@ -30,7 +37,7 @@ MORE_WALKS = 120  # where the law by which errors fall cannot be told from these
 COST_ORDER = 2.4
 
 
-def decide(report, definition):
+def decide(report: str, definition: Definition) -> float:
     """The spacing of the grid, angstrom. report: of verify about the coarse grid, whose definition is given."""
     enough, error = enough_by(report)
     coarse = definition.spacing
@@ -44,7 +51,7 @@ def decide(report, definition):
     return round(min(spacing, coarse), 4)
 
 
-def enough_by(report):
+def enough_by(report: str) -> tuple[float | None, float]:
     """(spacing that suffices, None where it cannot be told; the error in 99 of 100 places)."""
     try:
         figures = next(c for c in json.loads(report)["checks"] if c["name"] == "accurate")["figures"]
@@ -54,16 +61,16 @@ def enough_by(report):
     return value.get("sufficient spacing"), value.get("state 99 %") or 0.0
 
 
-def scaled(seconds, before, spacing):
+def scaled(seconds: float, before: float, spacing: float) -> float:
     return seconds * (before / spacing) ** COST_ORDER
 
 
-def coarser(spacing):
+def coarser(spacing: float) -> float:
     """One with which a grid takes about a quarter of the time."""
     return round(math.ceil(spacing * 4 ** (1 / COST_ORDER) / STEP - 1e-9) * STEP, 2)
 
 
-def measure(start, grid):
+def measure(start: Start, grid: str) -> str:
     """The report of verify, as text."""
     for count in (WALKS, MORE_WALKS):
         report = start.folder.run(

@@ -4,9 +4,14 @@ Positions are in bohr, energies in hartree, wave numbers in cm^-1, negative wher
 JSON in a folder that may come from somebody else: only what has the form of its type counts.
 """
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, is_dataclass
+from typing import Any
 
 import numpy as np
+from hapgrid.apps.common.arrays import Array
 
 SAME_SHAPE = 0.1  # bohr, root mean square: minima closer than this are one
 
@@ -21,9 +26,9 @@ class Dropped:
 @dataclass
 class Point:
     """A minimum or a saddle. nu1: its lowest wave number."""
-    x: np.ndarray
+    x: Array
     energy: float
-    hessian: np.ndarray
+    hessian: Array
     nu1: float
 
 
@@ -34,8 +39,8 @@ class Ends:
     saddle: Point
     near: Point
     far: Point
-    up: list
-    down: list
+    up: list[Array]
+    down: list[Array]
 
 
 @dataclass
@@ -44,27 +49,32 @@ class Path:
     stationary, where the path goes on behind its saddles; otherwise its last node is a saddle. nu1: of that, None where it is
     no saddle of xtb; near, far: the minima that it joins, None where nobody has looked for them. why: there is no path, or
     where it ends. name: of its file."""
-    nodes: list
-    energies: list
+    nodes: list[Array]
+    energies: list[float]
     start: int = 0
-    kinds: dict = field(default_factory=dict)
+    kinds: dict[int, str] = field(default_factory=dict)
     why: str = ""
     name: str = ""
-    nu1: float = None
-    near: Point = None
-    far: Point = None
+    nu1: float | None = None
+    near: Point | None = None
+    far: Point | None = None
 
-    goes_on = property(lambda self: bool(self.kinds))
-    barrier = property(lambda self: max(self.energies))
+    @property
+    def goes_on(self) -> bool:
+        return bool(self.kinds)
 
-    def points(self):
+    @property
+    def barrier(self) -> float:
+        return max(self.energies)
+
+    def points(self) -> list[tuple[str, float, Array]]:
         """[(kind, energy, shape)] of what is stationary on the way behind saddles, without the conformation."""
         return [(kind, self.energies[k], self.nodes[k]) for k, kind in self.kinds.items()]
 
-    def minima(self):
+    def minima(self) -> list[int]:
         return [k for k, kind in self.kinds.items() if kind == "minimum"]
 
-    def add(self, nodes, energies, kind):
+    def add(self, nodes: Sequence[Array], energies: Sequence[float], kind: str) -> None:
         """Goes on along nodes of which the last is stationary, and the first is there already."""
         self.nodes += nodes[1:]
         self.energies += energies[1:]
@@ -74,21 +84,21 @@ class Path:
 @dataclass
 class Result:
     """x, energy, nu1: of the conformation; found: Paths; dropped: [(path, reason)]."""
-    numbers: list
-    masses: np.ndarray
+    numbers: list[int]
+    masses: Array
     method: str
-    torsions: list
-    x: np.ndarray
+    torsions: list[Any]
+    x: Array
     energy: float
-    nu1: float
-    found: list = field(default_factory=list)
-    dropped: list = field(default_factory=list)
+    nu1: float | None
+    found: list[Path] = field(default_factory=list)
+    dropped: list[tuple[str, str]] = field(default_factory=list)
 
-    def files(self):
+    def files(self) -> list[str]:
         return ["conformation.xyz", *(one.name + ".xyz" for one in self.found)]
 
 
-def plain(value):
+def plain(value: Any) -> Any:
     """A result as JSON can hold it."""
     if is_dataclass(value):
         return {f.name: plain(getattr(value, f.name)) for f in fields(value)}
@@ -99,30 +109,32 @@ def plain(value):
     return value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value
 
 
-def restored(types, value, atoms):
+def restored(types: Sequence[type], value: Any, atoms: int) -> Any:
     """The result that plain() gave, of one of these types. Errors: ValueError or TypeError, where it is something else."""
     kind = next((one for one in types if isinstance(value, dict) and {f.name for f in fields(one)} == set(value)), None)
     if kind is None:
         raise ValueError("of another type")
     nodes = len(value.get("nodes") or ())
-    return kind(**{f.name: None if value[f.name] is f.default is None else _field(f, value[f.name], atoms, nodes)
+    return kind(**{f.name: None if value[f.name] is f.default is None else _field(f.name, value[f.name], atoms, nodes)
                    for f in fields(kind)})
 
 
-def _field(of, value, atoms, nodes):
+def _field(name: str, value: Any, atoms: int, nodes: int) -> Any:
     shape = {"x": (atoms, 3), "hessian": (3 * atoms, 3 * atoms), "nodes": (nodes, atoms, 3),
-             "energies": (nodes,), "energy": (), "nu1": ()}.get(of.name)
+             "energies": (nodes,), "energy": (), "nu1": ()}.get(name)
     if shape is not None:
         array = np.array(value)
         sound = array.shape == shape and array.dtype.kind in "if" and np.isfinite(array).all()
-        value = value if shape == () else list(array) if of.type is list else array
-    elif of.type is dict:
+        value = value if shape == () else list(array) if name in ("nodes", "energies") else array
+    elif name == "kinds":
         sound = isinstance(value, list) and all(0 <= k < nodes and kind in ("minimum", "saddle") for k, kind in value)
         value = dict(value)
-    elif of.type is Point:
+    elif name in ("near", "far"):
         return restored([Point], value, atoms)
+    elif name == "start":
+        sound = type(value) is int and 0 <= value < nodes
     else:
-        sound = type(value) is of.type and (of.type is not int or 0 <= value < nodes)
+        sound = type(value) is (bool if name == "free" else str)
     if not sound:
-        raise ValueError(of.name)
+        raise ValueError(name)
     return value

@@ -3,12 +3,20 @@ phi, psi, omega and chi with the number of the residue. omega0 is the bond of a 
 residue's nitrogen; in a peptide of one residue phi, psi and chi have no number.
 """
 
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+from hapgrid.apps.common.arrays import Array, Shapes
 
 from . import geometry, torsions
 from .elements import SYMBOLS
+from .molecule import Molecule
+from .results import Path
+from .torsions import Torsion
 
 # N, CA and C of a residue.
 RESIDUE = "[NX3;!$(N=*)]-[CX4]-[CX3](=O)[N,O]"
@@ -18,15 +26,15 @@ LARGELY = 0.5  # of the farthest turn: a torsion that goes so far does turn
 LINEAR = 0.17  # a torsion about a bond with a sine of its angle below this is none
 
 
-def label(numbers, atom):
+def label(numbers: Sequence[int], atom: int) -> str:
     return f"{SYMBOLS[numbers[atom]]}{atom + 1}"
 
 
-def _named(molecule, atoms):
+def _named(molecule: Molecule, atoms: Sequence[int]) -> str:
     return "-".join(label(molecule.numbers, a) for a in atoms)
 
 
-def find(molecule):
+def find(molecule: Molecule) -> list[Torsion]:
     """The torsions that turn: about single bonds and amides in no ring, if their atoms do not lie on a line."""
     near, names, out = molecule.neighbours, peptide_names(molecule), []
     for j, k in ((j, k) for j, some in enumerate(near) for k in some if j < k):
@@ -41,15 +49,15 @@ def find(molecule):
     return out
 
 
-def flipped(molecule, shapes):
+def flipped(molecule: Molecule, shapes: Shapes) -> list[str]:
     """The rings that flip along a chain of nearby shapes: a torsion of theirs changes its sign."""
-    def flips(ring):
+    def flips(ring: Any) -> bool:
         a, b = (np.array([geometry.torsion(x, *(2 * ring)[k:k + 4]) for k in range(len(ring))]) for x in (shapes[0], shapes[-1]))
         return ((a * b < 0) & (np.minimum(np.abs(a), np.abs(b)) > FLIPPED)).any()
     return [_named(molecule, ring) for ring in molecule.rings() if flips(ring)]
 
 
-def peptide_names(molecule):
+def peptide_names(molecule: Molecule) -> Any:
     """{bond (j < k): (name, {an atom of the bond: the atom at which the torsion ends there, or None})}. Angles are
     those of IUPAC: phi is C-N-CA-C, psi N-CA-C-N, omega CA-C-N-CA."""
     residues = _in_order(molecule, sorted({match[:3] for match in molecule.matches(RESIDUE)}))
@@ -83,20 +91,20 @@ def peptide_names(molecule):
     return out
 
 
-def _partner(molecule, atom):
+def _partner(molecule: Molecule, atom: int) -> Any:
     """The other atom of an amide bond."""
     return next((sum(bond) - atom for bond in molecule.amides if atom in bond), None)
 
 
-def _carbon(molecule, atom, without):
+def _carbon(molecule: Molecule, atom: int, without: Any) -> Any:
     return next((a for a in molecule.neighbours[atom] if a != without and molecule.numbers[a] == 6), None)
 
 
-def _bond(*atoms):
+def _bond(*atoms: Any) -> Any:
     return tuple(sorted(atoms))
 
 
-def _in_order(molecule, residues):
+def _in_order(molecule: Molecule, residues: Any) -> Any:
     """From the one whose nitrogen no other residue holds."""
     after = {r: s for r in residues for s in residues if r[2] in molecule.neighbours[s[0]]}
     out = []
@@ -112,11 +120,11 @@ class Candidate:
     """A path that may be taken. number: of the torsion that was driven; turns: how far each torsion turns, radians; height: of
     its barrier."""
     number: int
-    turns: np.ndarray
+    turns: Array
     height: float
 
     @property
-    def bond(self):
+    def bond(self) -> int | None:
         """The number of the torsion that gives it its name, or None where no bond turns."""
         far = np.abs(self.turns)
         if far.max() < torsions.LEAST_TURN:
@@ -124,7 +132,7 @@ class Candidate:
         return self.number if far[self.number] >= LARGELY * far.max() else int(far.argmax())
 
 
-def candidate(bonds, torsion, way, free):
+def candidate(bonds: Sequence[Torsion], torsion: Torsion, way: Path, free: Collection[str]) -> Candidate:
     """The Candidate of a Path on behind barriers, or from the conformation to one. bonds: all Torsions that turn; free: names of
     those that turn freely, so that it says nothing how far they do on the way."""
     to_end, extent = torsions.turned(bonds, way.nodes)
@@ -133,7 +141,8 @@ def candidate(bonds, torsion, way, free):
     return Candidate(number, np.where(held, extent if way.goes_on else to_end, 0.0), way.barrier)
 
 
-def names(bonds, candidates, allowed, signed):
+def names(bonds: Sequence[Torsion], candidates: Mapping[str, Candidate], allowed: Collection[str],
+          signed: bool) -> tuple[dict[str, str], list[tuple[str, str]]]:
     """({job: name of its path} in the order in which they are taken, [(job, why it has no path)]). candidates: {job, which is
     what was driven, as messages name it: Candidate}; allowed: the names that are wanted; signed: whether a name says in which
     direction its bond turns.
@@ -143,9 +152,10 @@ def names(bonds, candidates, allowed, signed):
     it has the name of that which turns farthest. Where several paths turn one bond the same way, that is kept for which this
     bond was driven, or else the lowest.
     """
-    out, left = {}, []
+    out: dict[str, str] = {}
+    left: list[tuple[str, str]] = []
 
-    def order(job):
+    def order(job: str) -> tuple[int, float]:
         """Paths whose driven bond turns come first, that whose bond turns farthest before others. Then comes the lowest."""
         one, turns = candidates[job], np.abs(candidates[job].turns)
         return (0, -round(float(turns[one.number] / turns.max()), 1)) if one.bond == one.number else (1, one.height)

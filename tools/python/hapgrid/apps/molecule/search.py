@@ -1,27 +1,36 @@
 """The steps from a molecule to the paths around its conformation. Each is kept, so that a run that was stopped goes on."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from hapgrid.apps.common.arrays import Array, Shapes
 from hapgrid.apps.common.files import Failed
 from hapgrid.apps.common.programs import raise_if_stopped, workers
 
 from . import geometry, optimise, path, rotors, torsions
+from .holding import Hold
 from .molecule import conformers
-from .results import Dropped, Ends, Path, Point, Result, SAME_SHAPE, plain, restored
+from .results import SAME_SHAPE, Dropped, Ends, Path, Point, Result, plain, restored
 from .xtb import BOHR, HARTREE, XtbError
+
+if TYPE_CHECKING:
+    from .steps import Start
 
 SAME_ENERGY = 0.02  # kJ/mol
 CONFORMERS = 4  # of the lowest by the force field, which xtb relaxes
 AWAY = 0.1  # bohr: how far from a saddle the ways down from it begin, and their longest step
 
-_search = None  # of this process and of those that it starts
+_search: Any = None  # of this process and of those that it starts
 
 
-def _ask(question):
+def _ask(question: tuple[Callable[[Any, Any], Any], type | None, Any]) -> Any:
     method, kind, value = question
 
-    def compute():
+    def compute() -> Any:
         try:
             return method(_search, value)
         except (optimise.NoPath, XtbError) as why:
@@ -29,25 +38,27 @@ def _ask(question):
     if kind is None:
         return compute()
     inputs = [method.__name__, plain(value), _search.x.tolist(), _search.start.options.highest, _search.start.options.push]
-    return _search.kept([kind, Dropped], inputs, compute)
+    return _search.cached([kind, Dropped], inputs, compute)
 
 
 class Search:
     """torsions: all that could turn; driven: those that are turned; jobs: {name of a path: (one of these, direction, None for
-    both)}. hold: holding.Hold, whose torsions alone are turned; shapes: [(number of a frame, shape in angstrom)] of an ensemble, between whose minima paths are looked for."""
+    both)}. hold: its torsions alone are turned; shapes: [(number of a frame, shape in angstrom)] of an ensemble, between
+    whose minima paths are looked for."""
 
-    def __init__(self, start, shapes, hold=None):
+    def __init__(self, start: Start, shapes: Sequence[tuple[int, Array]], hold: Hold | None = None) -> None:
         self.start, self.molecule, self.shapes = start, start.molecule, shapes
         self.torsions, self.driven = rotors.find(start.molecule), start.turning
-        self.jobs = {t.file_name(sign): (t, sign) for t in self.driven for sign in t.signs}
+        self.jobs: dict[str, tuple[torsions.Torsion, Any]] = {t.file_name(sign): (t, sign) for t in self.driven for sign in t.signs}
         if start.options.beyond:  # behind the barrier of a rotor lies the same shape, unless one of its atoms is held
             driven = [t for t in self.driven if not t.rotor] if start.options.push else hold.torsions if hold else []
             self.jobs = {t.name: (t, None) for t in driven}
 
-    def say(self, text):
+    def say(self, text: str) -> None:
         self.start.folder.say("  " + text)
 
-    def each(self, what, method, values, kind=None):
+    def each(self, what: str, method: Callable[[Search, Any], Any], values: Iterable[Any],
+             kind: type | None = None) -> Iterator[tuple[Any, Any]]:
         """(value, method(self, value) or a Dropped) in the order of the values, computed by several processes. kind: of the
         results, where they are kept for these values and this conformation."""
         global _search
@@ -62,40 +73,40 @@ class Search:
                 tell(done)
                 yield values[done - 1], result
 
-    def result(self, found, dropped):
+    def result(self, found: list[Path], dropped: list[tuple[str, str]]) -> Result:
         """dropped: without those that a path has, whose bond it turns though another one was driven."""
         have = {one.name for one in found}
         return Result(self.molecule.numbers, self.surface.masses, self.start.words, self.driven, self.x, self.energy,
                       self.rest.nu1, found, [(name, why) for name, why in dropped if name not in have])
 
-    def kept(self, types, inputs, compute):
+    def cached(self, types: Sequence[type], inputs: Sequence[Any], compute: Callable[[], Any]) -> Any:
         """The result of compute(), of one of these types, which is computed once. inputs: the step's name, and what it
         depends on besides the molecule."""
         one, folder = self.molecule, self.start.folder
         key = [folder.version, one.numbers, self.start.words, one.charge, one.unpaired, *inputs]
-        return folder.kept.take(key, lambda: plain(compute()), lambda value: restored(types, value, len(one.numbers)))
+        return folder.cache.take(key, lambda: plain(compute()), lambda value: restored(types, value, len(one.numbers)))
 
     # The conformation
 
-    def find_conformation(self, keep):
+    def find_conformation(self, keep: bool) -> None:
         """Sets rest, its x and energy, and the surface. keep: relax the molecule's shape to the nearest minimum instead of
         looking for the lowest one."""
         shapes = [] if self.start.options.keep_conformation else [x for _, x in self.shapes]
-        near = self.kept([Point], ["conformer", self.molecule.positions.tolist(), keep, plain(shapes)],
-                          lambda: self._conformer(keep, shapes))
+        near = self.cached([Point], ["conformer", self.molecule.positions.tolist(), keep, plain(shapes)],
+                           lambda: self._conformer(keep, shapes))
         # GFN-FF must read its bonds off a shape like the conformation, not off the shape from which it was found: then
         # one run of xtb on the conformation's file gives the same energy in most cases. Not in all: at an amine's nitrogen
         # GFN-FF's terms depend on which of three bonds is the shortest, and that may change from each minimum to the next.
         # So the surface on which this is a minimum remains that of the search.
         self.surface = self.start.surface(near.x)
-        self.rest = self.kept([Point], ["conformation", near.x.tolist()], lambda: self._conformation(near.x))
+        self.rest = self.cached([Point], ["conformation", near.x.tolist()], lambda: self._conformation(near.x))
         self.x, self.energy = self.rest.x, self.rest.energy
 
-    def _conformation(self, x):
+    def _conformation(self, x: Array) -> Point:
         x = geometry.on_principal_axes(optimise.minimum(self.surface, x).x, self.surface.masses)
         return optimise.point(self.surface, geometry.as_in_file(x))
 
-    def _conformer(self, keep, shapes):
+    def _conformer(self, keep: bool, shapes: Shapes) -> Point:
         """A minimum on its own surface."""
         starts = shapes or ([self.molecule.positions] if keep else conformers(self.molecule, CONFORMERS))
         best, reason = None, ""
@@ -113,7 +124,7 @@ class Search:
             raise Failed(f"no conformation: none of the start structures relaxes: {reason}")
         return optimise.minimum(self.start.surface(best[1]), best[1])
 
-    def relax(self, start):
+    def relax(self, start: Array) -> tuple[float, Array]:
         """(energy, x) of a shape in angstrom, on its own surface. Errors: optimise.NoPath"""
         surface, x = self.start.surface(start / BOHR), start / BOHR
         x, energy, _ = optimise.search(surface, x, surface.hessian(x), tolerance=1e-4, steps=400, renew=surface.hessian,
@@ -124,28 +135,28 @@ class Search:
 
     # Shapes
 
-    def intact(self, x):
+    def intact(self, x: Array) -> bool:
         return geometry.bonds_of(self.molecule.numbers, x * BOHR) == self.molecule.neighbours
 
-    def above(self, energy):
+    def above(self, energy: float) -> float:
         """kJ/mol above the conformation."""
         return (energy - self.energy) * HARTREE
 
-    def apart(self, x, y):
+    def apart(self, x: Array, y: Array) -> float:
         """Root mean square distance of two shapes."""
         return geometry.rms(geometry.aligned(x, y, self.surface.masses), y)
 
-    def same(self, x, y):
+    def same(self, x: Array, y: Array) -> bool:
         return self.apart(x, y) < SAME_SHAPE
 
     # Saddles
 
-    def driven_over(self, minimum, torsion, sign):
+    def driven_over(self, minimum: Point, torsion: torsions.Torsion, sign: int) -> Ends:
         """The Ends of the first saddle on the way of a torsion from a minimum, on whose side the near one is."""
         left = self.start.options.highest / HARTREE - (minimum.energy - self.energy)
         return self.ends(self.climbed(*torsions.scan(self.surface, minimum, torsion, sign, highest=left)), minimum.x)
 
-    def climbed(self, guess, tangent):
+    def climbed(self, guess: Array, tangent: Array) -> Point:
         """The saddle near a guess. Errors: optimise.NoPath where that is none between two shapes of this molecule."""
         one = optimise.saddle(self.surface, guess, tangent)
         count = int((optimise.wave_numbers(one.hessian, one.x, self.surface.masses) < 0).sum())
@@ -155,7 +166,7 @@ class Search:
             raise optimise.NoPath("bonds change")
         return one
 
-    def ends(self, saddle, a, b=None):
+    def ends(self, saddle: Point, a: Array, b: Array | None = None) -> Ends:
         """The Ends of a saddle, of which the near one is like shape a, and the far one like b, where that is given."""
         masses = self.surface.masses
         _, vectors = optimise.projected(saddle.hessian, saddle.x, masses)
@@ -170,7 +181,7 @@ class Search:
         out.far.x = geometry.aligned(out.far.x, self.x, masses)
         return out
 
-    def to_barrier(self, job):
+    def to_barrier(self, job: str) -> Path:
         """The Path to the first barrier of a torsion; where its `why` says that it is none, without nodes between."""
         torsion, sign = self.jobs[job]
         ends = self.driven_over(self.rest, torsion, sign)
@@ -186,10 +197,11 @@ class Search:
             out.why = str(why)
         return out
 
-    def turns_back(self, near):
+    def turns_back(self, near: Point) -> list[tuple[torsions.Torsion, float]] | None:
         """[(methyl group, angle)] that make the conformation of the near side of a saddle, since such groups may turn freely;
         None where that is another minimum."""
-        out, x = [], near.x
+        x = near.x
+        out: list[tuple[torsions.Torsion, float]] = []
         if self.same(x, self.x):
             return out
         for t in self.torsions:

@@ -7,24 +7,27 @@ calculator's own program, such as the packages psi4 and mopac.
 
   hapgrid molecule --smiles CC -o ethane --single-points 'single-point-ase psi4 method=mp2 basis=cc-pvtz'
 """
+from __future__ import annotations
+
 import ast
 import os
 import re
 import sys
 import sysconfig
+from typing import Any
 
 # What a calculator with a key "charge" calls the multiplicity; "" where it takes that from the atoms.
 MULTIPLICITY = {"gaussian": "mult", "mopac": "", "nwchem": "", "orca": "mult", "psi4": "multiplicity", "qchem": "multiplicity"}
 
 
-def value(text):
+def value(text: str) -> Any:
     try:
         return ast.literal_eval(text)
     except (ValueError, SyntaxError):
         return text
 
 
-def keys(name, given, charge, unpaired):
+def keys(name: str, given: list[str], charge: int, unpaired: int) -> dict[str, Any]:
     """The arguments of a calculator: those that are given, and charge and multiplicity."""
     out = {key: value(text) for key, text in (word.split("=", 1) for word in given)}
     if name in MULTIPLICITY:
@@ -35,7 +38,7 @@ def keys(name, given, charge, unpaired):
     return out
 
 
-def main(name, *words):
+def main(name: str, *words: str) -> None:
     *given, path = words
     # Debian's psi4 is a Python module outside of Python's own folders.
     sys.path.append("/usr/lib/" + sysconfig.get_config_var("MULTIARCH"))
@@ -49,7 +52,7 @@ def main(name, *words):
         sys.exit(f"single-point-ase: {why}: install the Debian package {'python3-ase' if why.name == 'ase' else name}")
     with open(path, encoding="utf-8") as file:
         title = file.read().split("\n")[1]
-    charge, unpaired = (int(re.search(rf"\b{key}=(-?\d+)", title)[1]) for key in ("charge", "unpaired"))
+    charge, unpaired = (int(re.findall(rf"\b{key}=(-?\d+)", title)[0]) for key in ("charge", "unpaired"))
     atoms = read(path)
     atoms.rotate(37, (1, 2, 3))  # psi4 1.3 fails where a shape is nearly symmetric about an axis
     if not MULTIPLICITY.get(name):

@@ -1,20 +1,29 @@
 """The steps from a molecule's file to the page. Each is a function from the results of those before it to its own;
 what it computes is kept as files, which the user may change, so its result is what the files say."""
 
+from __future__ import annotations
+
 import itertools
 import os
 import time
 import timeit
+from argparse import Namespace
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import Failed, digest_of, read_bytes
 from hapgrid.apps.common.work import Work, about
 
-from . import choice, files, geometry, grids, holding, molecule, optimise, page, pushing, reading, rotors, singles, structures
+from . import (files, geometry, grids, holding, molecule, optimise, page, path_selection, probe_lines, reading, rotors,
+               single_points, structures)
 from .cli import GFN2_ATOMS
 from .molecule import signed
+from .results import Result
+from .torsions import Torsion
 from .xtb import BOHR, Surface, XtbError, load
 
 ENSEMBLE = 8  # frames of an ensemble between which paths are looked for
@@ -31,38 +40,38 @@ ALGEBRA = 0.09
 class Start:
     """The molecule that is felt, and what the steps have in common. options: of the command line; source: of the molecule, in
     words; search: whether conformers are searched; method: of xtb; turning: bonds (torsions.Torsion)."""
-    options: object
+    options: Namespace
     folder: Work
     molecule: molecule.Molecule
     source: str
     search: bool
     method: str
-    turning: list
+    turning: list[Torsion]
 
     @property
-    def words(self):
+    def words(self) -> str:
         return f"{self.method}-in-{self.options.solvent}" if self.options.solvent else self.method
 
-    def surface(self, x):
+    def surface(self, x: Array) -> Surface:
         """xtb's. x: the conformation, bohr."""
         return Surface(self.molecule.numbers, x, self.method, self.molecule.charge, self.tree, self.molecule.unpaired,
                        self.options.solvent)
 
     @cached_property
-    def tree(self):
+    def tree(self) -> geometry.Tree:
         return geometry.Tree(self.molecule.neighbours, self.molecule.numbers)
 
     @cached_property
-    def points(self):
+    def points(self) -> single_points.SinglePoints | None:
         """The SinglePoints of --single-points, or None."""
         command = self.options.single_points
-        return None if command is None else singles.SinglePoints(command, self.molecule, self.folder.kept)
+        return None if command is None else single_points.SinglePoints(command, self.molecule, self.folder.cache)
 
-    def turned_by(self, paths):
+    def turned_by(self, paths: Sequence[str]) -> list[Torsion]:
         return [t for t in self.turning if {t.name, *t.file_names()} & set(paths)]
 
 
-def run(options):
+def run(options: Namespace) -> str:
     """Everything, or all until --until; the line for standard output."""
     load()  # before all else: where xtb is missing, that is one line
     start = read(options)
@@ -75,19 +84,19 @@ def run(options):
     return ""
 
 
-def read(o):
-    kept = Work("molecule", o.output, o.quiet)
+def read(o: Namespace) -> Start:
+    folder = Work("molecule", o.output, o.quiet)
 
-    def compute():
+    def compute() -> list[str]:
         one = reading.read(o.file, o.smiles, o.charge, o.uhf)
         for line in one.said:
-            kept.say("  " + line)
-        kept.enter()
-        kept.write("start.sdf", reading.sdf(one))
+            folder.say("  " + line)
+        folder.enter()
+        folder.write("start.sdf", reading.sdf(one))
         return ["start.sdf"]
     text = digest_of(read_bytes(o.file, molecule.MOST_BYTES)) if o.file else o.smiles
-    kept.step("molecule", "", [], [text, o.charge, o.uhf], compute)
-    one, method = reading.started(kept.path("start.sdf")), o.method
+    folder.step("molecule", "", [], [text, o.charge, o.uhf], compute)
+    one, method = reading.started(folder.path("start.sdf")), o.method
     if method == "auto":
         method = "gfn2" if len(one.numbers) <= GFN2_ATOMS else "gfnff"
     turning, rings = rotors.find(one), len(one.rings())
@@ -99,50 +108,51 @@ def read(o):
         turning = [t if t.name in wanted else replace(t, signs=tuple(s for s in t.signs if t.file_name(s) in wanted))
                    for t in turning]
         turning = [t for t in turning if t.signs]
-    kept.say(f"  {one.formula}, {len(one.numbers)} atoms, charge {signed(one.charge)}, {len(turning)} bonds turn"
-             + (f"; {rings} rings stay as they are" if rings else ""))
+    folder.say(f"  {one.formula}, {len(one.numbers)} atoms, charge {signed(one.charge)}, {len(turning)} bonds turn"
+               + (f"; {rings} rings stay as they are" if rings else ""))
     source = os.path.basename(o.file) if o.file else f"SMILES {o.smiles}"
-    return Start(o, kept, one, source, o.search or one.built, method, turning)
+    return Start(o, folder, one, source, o.search or one.built, method, turning)
 
 
-def find_structures(start):
-    o, kept = start.options, start.folder
+def find_structures(start: Start) -> Result:
+    o, folder = start.options, start.folder
     frames = reading.ensemble(o.file) if o.basins else []  # between whose minima paths are looked for
     shapes = [(n, x) for n, x in frames if len(x) == len(start.molecule.numbers)]
     if len(shapes) > ENSEMBLE:
-        kept.say(f"  {len(shapes)} frames: the {ENSEMBLE} lowest are taken")
+        folder.say(f"  {len(shapes)} frames: the {ENSEMBLE} lowest are taken")
     shapes = shapes[:ENSEMBLE]
 
-    def compute():
+    def compute() -> list[str]:
         if o.method == "auto":
-            kept.say("  energies by " + ("GFN2-xTB" if start.method == "gfn2" else
-                     f"GFN-FF, as for all above {GFN2_ATOMS} atoms (--method gfn2 is better, and slower)"))
+            folder.say("  energies by " + ("GFN2-xTB" if start.method == "gfn2" else
+                                           f"GFN-FF, as for all above {GFN2_ATOMS} atoms (--method gfn2 is better, and slower)"))
         estimate(start)
         one = structures.explore(start, shapes)
         if start.points:
-            start.points.put_into(one, o.threads, kept)
-        return files.write_set(kept, one, f"hapgrid molecule: {start.source}, {start.method}, "
+            start.points.put_into(one, o.threads, folder)
+        return files.write_set(folder, one, f"hapgrid molecule: {start.source}, {start.method}, "
                                f"charge {signed(start.molecule.charge)}, {start.molecule.unpaired} unpaired electrons")
-    kept.step("structures", "looking for the conformation and the barriers around it", ["start.sdf"],
-              [start.method, o.solvent, start.points and start.points.key, start.molecule.charge, start.molecule.unpaired,
-               start.search, o.highest, o.basins, o.push, o.hold, o.keep_conformation, [name for t in start.turning for name in t.file_names()],
-               [x.tolist() for _, x in shapes]], compute)
-    return files.read_set(kept)
+    folder.step("structures", "looking for the conformation and the barriers around it", ["start.sdf"],
+                [start.method, o.solvent, start.points and start.points.key, start.molecule.charge, start.molecule.unpaired,
+                 start.search, o.highest, o.basins, o.push, o.hold, o.keep_conformation,
+                 [name for t in start.turning for name in t.file_names()], [x.tolist() for _, x in shapes]], compute)
+    return files.read_set(folder)
 
 
-def estimate(start):
+def estimate(start: Start) -> None:
     """Says how long the structures take, within a factor of 2 or so, from the CPU time of a gradient and of a step: what else
     the machine does is not known beforehand. Where xtb refuses the shape, the search itself says why."""
-    o, x, turning = start.options, start.molecule.positions / BOHR, start.turning
+    o, x = start.options, start.molecule.positions / BOHR
+    turning: Sequence[Torsion] = start.turning
     if not o.push:
         turning = next((hold.torsions for hold in holding.candidates(start.molecule, turning, o.hold, x)), ())
     ways, soft = sum(len(t.signs) for t in turning), sum(not t.rotor for t in turning)
 
-    def takes(compute):
+    def takes(compute: Callable[[], Any]) -> float:
         return min(timeit.repeat(compute, timer=time.process_time, number=1, repeat=5))
     try:
         surface, shifts = start.surface(x), itertools.count(1)
-        gradient = takes(lambda: surface.energy(x + 0.005 * next(shifts) * np.eye(*x.shape)))
+        gradient = takes(lambda: surface.energy(x + 0.005 * next(shifts) * np.eye(len(x), 3)))
         step = takes(lambda: optimise.projected(np.eye(x.size), x))
     except XtbError:
         return
@@ -152,21 +162,21 @@ def estimate(start):
     start.folder.say(f"  {about(seconds, cores)} for conformation and barriers, more where a lower minimum is found")
 
 
-def show(start, shapes, paths):
+def show(start: Start, shapes: Result, paths: Sequence[str]) -> str:
     """The line that shows the grid."""
-    o, kept = start.options, start.folder
-    grid = f"{kept.name()}.grid"
-    kept.step("pushing", "looking for the hand's ways that turn the molecule", [grid], [],
-              lambda: pushing.write(start, grid, shapes))
-    made = [n for n in kept.made("pushing") if n.endswith(".txt")]
+    folder = start.folder
+    grid = f"{folder.name()}.grid"
+    folder.step("pushing", "looking for the hand's ways that turn the molecule", [grid], [],
+                lambda: probe_lines.write(start, grid, shapes))
+    made = [n for n in folder.made("pushing") if n.endswith(".txt")]
     if not made:
-        raise Failed(f"{kept.path(grid)}: no way of the hand is found that moves the molecule; hapgrid feel shows the grid")
+        raise Failed(f"{folder.path(grid)}: no way of the hand is found that moves the molecule; hapgrid feel shows the grid")
     facts = [start.source, start.molecule.charge, start.molecule.unpaired, start.method]
-    kept.step("page", "writing the page", [grid, *made, "rotors.tsv", "report.tsv", "verify.txt"], facts,
-              lambda: page.write(start, start.turned_by(paths), made))
-    grid, way, me = kept.in_shell(grid), kept.in_shell(made[0]), kept.launcher()
-    kept.say(f"done: {kept.in_shell('index.html')} sums up")
-    felt = kept.in_shell("feel.html") if "feel.html" in kept.made("page") else f"{me} feel {grid}"
-    kept.say(f"{felt} is a page in which the mouse is the hand")
-    nothing = "" if paths else choice.nothing_turns(kept) + "\n"
+    folder.step("page", "writing the page", [grid, *made, "rotors.tsv", "report.tsv", "verify.txt"], facts,
+                lambda: page.write(start, start.turned_by(paths), made))
+    grid, way, me = folder.in_shell(grid), folder.in_shell(made[0]), folder.launcher()
+    folder.say(f"done: {folder.in_shell('index.html')} sums up")
+    felt = folder.in_shell("feel.html") if "feel.html" in folder.made("page") else f"{me} feel {grid}"
+    folder.say(f"{felt} is a page in which the mouse is the hand")
+    nothing = "" if paths else path_selection.nothing_turns(folder) + "\n"
     return nothing + f"{me} play {grid} --device path:{way} --rate 1000 --frames - | {me} view --web"

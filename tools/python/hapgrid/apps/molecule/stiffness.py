@@ -18,9 +18,13 @@ Where paths go on behind their saddles nothing of this holds: m must be 0, so th
 are, and anchors that yield let a push tip over a barrier gently. There the defaults are taken.
 """
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from hapgrid.apps.common.arrays import Array
 
 from . import geometry, path
 
@@ -39,16 +43,16 @@ class Stiffness:
     rotation: float = 100.0  # kJ/(mol rad²)
     morph: float = 0.0  # kJ/mol
 
-    def softer(self, times):
+    def softer(self, times: float) -> Stiffness:
         return Stiffness(max(self.shift / times, Stiffness.shift), max(self.rotation / times, Stiffness.rotation),
                          self.morph)
 
-    def rounded(self):
+    def rounded(self) -> Stiffness:
         """What a definition says. The last digits of a Hessian depend on the machine."""
         return Stiffness(*(float(f"{v:.2g}") for v in (self.shift, self.rotation, self.morph)))
 
 
-def tangent(tree, nodes, start, masses):
+def tangent(tree: geometry.Tree, nodes: Sequence[Array], start: int, masses: Array) -> Array:
     """∂b/∂t of a path at its node `start`, which is the conformation, as the model's shapes have it.
     nodes, result: (atoms, 3) in one unit of length."""
     spline = path.spline(tree, nodes)
@@ -57,7 +61,7 @@ def tangent(tree, nodes, start, masses):
     return (two - one) / (2 * step)
 
 
-def rule(hessian, x, masses, tangents, penalty):
+def rule(hessian: Array, x: Array, masses: Array, tangents: Sequence[Array], penalty: float) -> Stiffness:
     """The Stiffness for these tangents. hessian: kJ/(mol Å²); x: the conformation, Å."""
     from_centre = geometry.centred(x, masses)
     shift, rotation, morph = Stiffness.shift, Stiffness.rotation, Stiffness.morph

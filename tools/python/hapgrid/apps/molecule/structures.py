@@ -4,19 +4,30 @@ What one process finds is kept as a file (search.Search); the results are taken 
 not depend on the number of processes.
 """
 
-from dataclasses import replace
+from __future__ import annotations
 
-from . import beyond, ensemble, holding, rotors, torsions
-from .results import Dropped, Path, Point
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, TypeAlias
+
+from hapgrid.apps.common.arrays import Array
+
+from . import ensemble, holding, rotors, torsion_paths, torsions
+from .holding import Hold
+from .results import Dropped, Path, Point, Result
 from .search import Search
 from .xtb import BOHR
 
+if TYPE_CHECKING:
+    from .steps import Start
+
+Stationary: TypeAlias = tuple[str, float, Array]  # kind, energy and shape
 RESTARTS = 4
 HOLDS = 3  # atoms that are tried, where nothing moves the first
 LOWER = 0.5  # kJ/mol: a minimum that is lower by this is another one
 
 
-def explore(start, shapes):
+def explore(start: Start, shapes: Sequence[tuple[int, Array]]) -> Result:
     """The Result of a molecule. shapes: of an ensemble, as Search has them. An atom that is held is one that a path moves."""
     o = start.options
     if o.push:
@@ -31,9 +42,9 @@ def explore(start, shapes):
     return result or _explored(start, shapes, None)
 
 
-def _explored(start, shapes, hold):
+def _explored(start: Start, shapes: Sequence[tuple[int, Array]], hold: Hold | None) -> Result:
     o, keep = start.options, not start.search
-    what, method = ("following torsions from minimum to minimum", beyond.whole) if o.beyond else (
+    what, method = ("following torsions from minimum to minimum", torsion_paths.whole) if o.beyond else (
         "driving torsions to their barriers", Search.to_barrier)
     for left in reversed(range(1 if o.keep_conformation else RESTARTS + 1)):
         search, found = Search(start, shapes, hold), {}
@@ -60,19 +71,22 @@ def _explored(start, shapes, hold):
             return _turned(search, found)
         start.molecule.positions = lowest[2] * BOHR
         keep = True
+    raise AssertionError("the last start does not look for another")
 
 
-def _points(one):
+def _points(one: Path) -> list[Stationary]:
     """[(kind, energy, shape)] of all that is stationary on the way of a Path, behind its barrier as well."""
-    return one.points() or [("minimum", one.near.energy, one.near.x), ("saddle", one.energies[-1], one.nodes[-1]),
-                            ("minimum", one.far.energy, one.far.x)]
+    if one.goes_on or one.near is None or one.far is None:
+        return one.points()
+    return [("minimum", one.near.energy, one.near.x), ("saddle", one.energies[-1], one.nodes[-1]),
+            ("minimum", one.far.energy, one.far.x)]
 
 
-def _words(search, points):
+def _words(search: Search, points: Sequence[Stationary]) -> str:
     return ", ".join(f"{kind} {round(search.above(energy), 1) + 0:.1f}" for kind, energy, _ in points) + " kJ/mol"
 
 
-def _turned(search, found):
+def _turned(search: Search, found: Mapping[str, Path | Dropped]) -> Result:
     """The Result of {job: its Path or Dropped}, with each saddle once."""
     basins = search.start.options.beyond
     ways = {job: one for job, one in found.items() if not isinstance(one, Dropped)}
@@ -81,7 +95,7 @@ def _turned(search, found):
     named, other = rotors.names(search.torsions, {
         job: rotors.candidate(search.torsions, search.jobs[job][0], way, free) for job, way in ways.items()},
         set(search.jobs), not basins)
-    paths = []
+    paths: list[Path] = []
     for one in (replace(ways[job], name=name) for job, name in named.items()):
         same = next((k.name for k in paths if not basins and search.same(k.nodes[-1], one.nodes[-1])), None)
         if one.why:
@@ -97,9 +111,10 @@ def _turned(search, found):
 
 # Paths between the minima of an ensemble
 
-def _minima(search):
+def _minima(search: Search) -> list[tuple[int, Point]]:
     """[(frame, minimum)] of the ensemble that are not the conformation, each once."""
-    out, say = [], search.say
+    say = search.say
+    out: list[tuple[int, Point]] = []
     each = search.each("relaxing the ensemble", ensemble.minimum, [x for _, x in search.shapes], Point)
     for (frame, _), (_, one) in zip(search.shapes, each):
         if isinstance(one, Dropped):
@@ -112,10 +127,12 @@ def _minima(search):
     return out
 
 
-def _ensemble(search, minima):
+def _ensemble(search: Search, minima: list[tuple[int, Point]]) -> Result:
     """The Result of paths to these minima. A path that turns one bond alone, and no ring, has its name."""
-    found, dropped, say = [], [], search.say
-    ways = search.each("looking for paths between the minima", ensemble.way, [one for _, one in minima], Path)
+    say = search.say
+    found: list[Path] = []
+    dropped: list[tuple[str, str]] = []
+    ways = search.each("looking for paths between the minima", ensemble.path_to, [one for _, one in minima], Path)
     for (frame, one), (_, way) in zip(minima, list(ways)):
         name = f"to-{frame}"
         passed = next((f.name for f in found for k in f.minima() if search.same(f.nodes[k], one.x)), None)

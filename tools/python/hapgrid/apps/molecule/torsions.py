@@ -4,12 +4,17 @@ A scan only gives a guess. Other modules refine it to a saddle and check its fre
 torsions lead to no saddle from a given minimum; their scans only climb.
 """
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from hapgrid.apps.common.arrays import Array, Neighbours, Shapes
 
 from . import geometry, optimise
-from .xtb import HARTREE
+from .results import Point
+from .xtb import HARTREE, Surface
 
 LEAST_BARRIER = 0.1  # kJ/mol; a lower one is not told from noise, and no hand feels it
 LEAST_TURN = np.radians(10)  # of a torsion, or the path turns none
@@ -19,22 +24,22 @@ STIFFNESS = 0.5  # of the restraint, hartree/rad^2: ten times that of the stiffe
 @dataclass(frozen=True)
 class Torsion:
     name: str
-    atoms: tuple  # four, counted from 0
-    moved: tuple  # atoms that turn with the last one, about the bond in the middle
-    signs: tuple  # the directions to drive: +1, -1
+    atoms: tuple[int, int, int, int]  # four, counted from 0
+    moved: tuple[int, ...]  # atoms that turn with the last one, about the bond in the middle
+    signs: tuple[int, ...]  # the directions to drive: +1, -1
     rotor: bool  # a methyl or a like group: both directions are the same, file names need none
 
-    def file_name(self, sign):
+    def file_name(self, sign: float) -> str:
         return self.name if self.rotor else self.name + ("-plus" if sign > 0 else "-minus")
 
-    def file_names(self):
+    def file_names(self) -> list[str]:
         return [self.file_name(sign) for sign in self.signs]
 
-    def turned(self, x, turn):
+    def turned(self, x: Array, turn: float) -> Array:
         return geometry.rotated_about(x, *self.atoms[1:3], list(self.moved), turn)
 
 
-def make(numbers, neighbours, i, j, k, l):
+def make(numbers: Sequence[int], neighbours: Neighbours, i: int | None, j: int, k: int, l: int | None) -> Torsion | None:
     """A torsion without a name about the bond j-k, whose k's side turns; None in a ring. i, l: where it ends, or None: at the
     heaviest neighbour, among equal ones the first."""
     moved = geometry.side_of(neighbours, j, k)
@@ -48,13 +53,14 @@ def make(numbers, neighbours, i, j, k, l):
     return Torsion("", (i, j, k, l), tuple(moved), (1,) if rotor else (1, -1), rotor)
 
 
-def scan(surface, minimum, torsion, sign, *, step=np.radians(10), highest=150 / HARTREE):
+def scan(surface: Surface, minimum: Point, torsion: Torsion, sign: int, *, step: float = np.radians(10),
+         highest: float = 150 / HARTREE) -> tuple[Array, Array]:
     """The first barrier as a guess of a saddle: (shape, tangent).
 
     The torsion is turned in steps from the minimum while all else relaxes. The highest shape is taken when the energy has
     fallen after it. step: radians; highest: hartree above the minimum.
     """
-    def bend(x):
+    def bend(x: Array) -> Array:
         """The restraint's part of the Hessian, near its target."""
         b = geometry.torsion_gradient(x, *torsion.atoms).ravel()
         return STIFFNESS * np.outer(b, b)
@@ -66,7 +72,7 @@ def scan(surface, minimum, torsion, sign, *, step=np.radians(10), highest=150 / 
     for count in range(1, round(np.pi / step) + 3):
         turned = torsion.turned(shapes[-1], sign * step)
 
-        def restrained(y, target=angle + sign * step * count):
+        def restrained(y: Array, target: float = angle + sign * step * count) -> tuple[float, Array]:
             energy, gradient = surface(y)
             off = geometry.wrapped(geometry.torsion(y, *torsion.atoms) - target)
             return (energy + STIFFNESS * off * off / 2,
@@ -88,17 +94,17 @@ def scan(surface, minimum, torsion, sign, *, step=np.radians(10), highest=150 / 
         raise optimise.TurnsFreely(f"turns freely, without a barrier of {LEAST_BARRIER} kJ/mol: nothing would be felt, and "
                                    "the grid has it at rest")
     raise optimise.NoPath(f"no barrier within half a turn, at whose end the energy is {HARTREE * (energies[-1] - start):.1f} "
-                    "kJ/mol")
+                          "kJ/mol")
 
 
-def turned(torsions, shapes):
+def turned(torsions: Sequence[Torsion], shapes: Shapes) -> tuple[Array, Array]:
     """How far each torsion turns along a chain of nearby shapes, radians: (from the first shape to the last, from the
     least angle to the largest), each an array."""
     angles = np.unwrap([[geometry.torsion(x, *t.atoms) for t in torsions] for x in shapes], axis=0)
     return angles[-1] - angles[0], np.ptp(angles, axis=0)
 
 
-def _on_top(surface, before, top, after):
+def _on_top(surface: Surface, before: Array, top: Array, after: Array) -> tuple[Array, Array]:
     """(shape, tangent) from three shapes about the top of a scan.
 
     When the rest of the molecule snaps over while the torsion turns, each shape lies in one valley

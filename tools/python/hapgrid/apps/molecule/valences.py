@@ -5,7 +5,13 @@ can have, so that the charges add up to the molecule's, the cheapest is taken: a
 where rules that go from atom to atom miss nitrile oxides or the charge of an enolate.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable
+from typing import Any
+
 import numpy as np
+from hapgrid.apps.common.arrays import Array
 from rdkit import Chem
 from scipy import optimize
 
@@ -13,7 +19,7 @@ from . import geometry
 from .molecule import BadInput, listed, numbers_of, places_of, signed
 
 # {element: {charge: sums of bond orders that an atom with it has}}
-VALENCES = {
+VALENCES: dict[int, dict[int, tuple[int, ...]]] = {
     1: {0: (1,)}, 5: {0: (3,), -1: (4,)}, 6: {0: (4,), -1: (3,), 1: (3,)}, 7: {0: (3, 5), 1: (4,), -1: (2,)},
     8: {0: (2,), -1: (1,), 1: (3,)}, 9: {0: (1,), -1: (0,)}, 14: {0: (4,), -1: (5,), -2: (6,)},
     15: {0: (3, 5), 1: (4,), -1: (2, 6)}, 16: {0: (2, 4, 6), -1: (1,), 1: (3, 5)}, 17: {0: (1, 3, 5, 7), -1: (0,)},
@@ -39,12 +45,12 @@ PARTIAL = "_TriposPartialCharge"  # where RDKit keeps the partial charges of MOL
 SECONDS = 20
 
 
-def _order(atom):
+def _order(atom: Chem.Atom) -> int:
     """The sum of the orders of its bonds, with its hydrogens; a bond whose order is open counts once."""
     return int(sum(max(1, b.GetBondTypeAsDouble()) for b in atom.GetBonds())) + atom.GetTotalNumHs()
 
 
-def _states(atom, radicals):
+def _states(atom: Chem.Atom, radicals: bool) -> list[tuple[int, int, int, float]]:
     """[(sum of bond orders, charge, unpaired electrons, cost)] that an atom can have; the one that it has, where nothing is
     known of its element. A charge that the file gives stays."""
     z, given = atom.GetAtomicNum(), atom.GetFormalCharge()
@@ -59,7 +65,7 @@ def _states(atom, radicals):
     return out
 
 
-def assigned(mol, charge, unpaired):
+def assigned(mol: Chem.Mol, charge: int | None, unpaired: int | None) -> Chem.Mol | None:
     """A copy of RDKit's molecule with orders of bonds, formal charges and hydrogens for its total charge and number of unpaired
     electrons, with its property "cost", or None where there are none. charge, unpaired: None for whatever costs least.
 
@@ -74,13 +80,14 @@ def assigned(mol, charge, unpaired):
     bent = {n for n, a in enumerate(atoms) if not a.GetNoImplicit() and a.GetAtomicNum() in (6, 7)} - straight
     # The equations: each atom and each bond has one choice; the bonds of an atom add up to its valence; so do charges and
     # unpaired electrons; and where hydrogens are open, a bent carbon or nitrogen has one bond at most that is not single.
-    bounds = {name: (-np.inf, np.inf) if number is None else (number, number)
-              for name, number in (("charge", charge), ("unpaired", unpaired))}
+    bounds: dict[Any, tuple[float, float]] = {
+        name: (-np.inf, np.inf) if number is None else (number, number)
+        for name, number in (("charge", charge), ("unpaired", unpaired))}
     for n in range(len(atoms)):
         bounds.update({("state", n): (1, 1), ("valence", n): (0, 0), ("double", n): (0, 1)})
     bounds.update({("order", n): (1, 1) for n in range(len(bonds))})
     # There, too, an atom on a line has no hydrogen, carbon has a charge only on or beside a line, and nitrogen no five bonds.
-    choices = []  # (atom or bond, what is chosen for it, cost, {equation: what it adds})
+    choices: list[tuple[int, Any, float, dict[Any, int]]] = []  # (atom or bond, what is chosen for it, cost, {equation: what it adds})
     for n, atom in enumerate(atoms):
         z, is_open = atom.GetAtomicNum(), not atom.GetNoImplicit()
         each = _hydrogen_cost(atom, x, pyrroles) if is_open else 0.0
@@ -127,7 +134,7 @@ def assigned(mol, charge, unpaired):
     return out.GetMol()
 
 
-def _orders(bond):
+def _orders(bond: Chem.Bond) -> list[int]:
     """Those that it may have."""
     if bond.GetBondType() == Chem.BondType.AROMATIC:
         return [1, 2]
@@ -136,25 +143,25 @@ def _orders(bond):
     return [1] if 1 in (bond.GetBeginAtom().GetAtomicNum(), bond.GetEndAtom().GetAtomicNum()) else [1, 2, 3]
 
 
-def _is_straight(atom, x):
+def _is_straight(atom: Chem.Atom, x: Array) -> bool:
     """Whether it is a carbon or nitrogen on a line with two neighbours."""
     near = [n.GetIdx() for n in atom.GetNeighbors()]
     return atom.GetAtomicNum() in (6, 7) and len(near) == 2 and geometry.angle(x, near[0], atom.GetIdx(), near[1]) > STRAIGHT
 
 
-def _hydrogen_cost(atom, x, pyrroles):
+def _hydrogen_cost(atom: Chem.Atom, x: Array, pyrroles: Collection[int]) -> float:
     """What a hydrogen costs on an atom that the file has without, by the places of its neighbours. pyrroles: see PYRROLE."""
     z, near = atom.GetAtomicNum(), [x[n.GetIdx()] - x[atom.GetIdx()] for n in atom.GetNeighbors()]
     if z in (6, 7) and len(near) == 3:
         a, b, c = near
         return LIFTED * (HEIGHT - min(abs(a @ np.cross(b, c)) / np.linalg.norm(np.cross(b - a, c - a)), 2 * HEIGHT))
     if atom.GetIdx() in pyrroles:
-        return WIDER * (106 - np.degrees(geometry.angle([near[0], np.zeros(3), near[1]], 0, 1, 2)))
+        return WIDER * (106 - np.degrees(geometry.angle(np.array([near[0], np.zeros(3), near[1]]), 0, 1, 2)))
     short = [n.GetAtomicNum() for n in atom.GetNeighbors()] == [7] and np.linalg.norm(near[0]) < 1.34
     return OXIDE if z == 8 and short else HYDROGEN
 
 
-def closed(mol, what, charge, unpaired, filled=None):
+def closed(mol: Chem.Mol, what: str, charge: int | None, unpaired: int | None, filled: Chem.Mol | None = None) -> Chem.Mol:
     """The molecule with bonds and charges that fit what was said of it. charge, unpaired: that, or None; filled: the same with
     hydrogens added, which is taken where the molecule fits no ion whose charges are on nitrogen, oxygen and sulphur. Where
     charge and unpaired were both said and nothing fits, it stays as it is. Errors: BadInput, which says which charge fits."""
@@ -190,7 +197,7 @@ def closed(mol, what, charge, unpaired, filled=None):
                    + ("; without any hydrogens in the file, all are added" if filled else ""))
 
 
-def hydrogens_set(mol, count):
+def hydrogens_set(mol: Chem.Mol, count: Callable[[Chem.Atom], int]) -> Chem.Mol:
     """The molecule with so many hydrogens as count(atom) says, and no more can be added."""
     out = Chem.Mol(mol)
     for atom, before in zip(out.GetAtoms(), mol.GetAtoms()):
@@ -199,7 +206,7 @@ def hydrogens_set(mol, count):
     return out
 
 
-def opened(mol, best):
+def opened(mol: Chem.Mol, best: Chem.Mol) -> list[int]:
     """The atoms that have a charge only in `best`, without those whose neighbour makes up for it, if others are left."""
     before, after = ([a.GetFormalCharge() for a in one.GetAtoms()] for one in (mol, best))
     atoms = [a for a in best.GetAtoms() if after[a.GetIdx()] != before[a.GetIdx()]]
@@ -207,5 +214,5 @@ def opened(mol, best):
     return [a.GetIdx() for a in alone or atoms]
 
 
-def named(mol, atoms):
+def named(mol: Chem.Mol, atoms: Iterable[int]) -> str:
     return listed([f"{mol.GetAtomWithIdx(n).GetSymbol()}{n + 1}" for n in atoms])

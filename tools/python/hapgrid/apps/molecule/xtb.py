@@ -4,11 +4,19 @@ Units here and in the other modules: bohr, hartree, and atomic mass units in mas
 coordinates. Positions are arrays (atoms, 3). Files and messages are in angstrom and kJ/mol.
 """
 
-import numpy as np
+from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.xtb import BOHR, HARTREE, Xtb, XtbError, load
 
 from .elements import MASSES
+
+if TYPE_CHECKING:
+    from .geometry import Tree
 
 __all__ = ["BOHR", "HARTREE", "Surface", "WAVE_NUMBER", "XtbError", "load"]
 
@@ -25,16 +33,17 @@ class Surface:
     molecule, or None.
     """
 
-    def __init__(self, numbers, positions, method="gfn2", charge=0, tree=None, unpaired=0, solvent=None):
+    def __init__(self, numbers: Sequence[int], positions: Array, method: str = "gfn2", charge: int = 0,
+                 tree: Tree | None = None, unpaired: int = 0, solvent: str | None = None) -> None:
         numbers = [int(z) for z in numbers]
-        self.tree = tree
+        self.tree: Any = tree
         # Steps of a search between exact Hessians: where these are cheap they are computed often.
         self.renewal = {"gfn2": 12, "gfnff": 3}[method]
         self.masses = np.array([MASSES[z] for z in numbers])
         self._xtb = Xtb(numbers, np.asarray(positions, float).ravel(), method, charge, unpaired, solvent)
         self._results = self._xtb.new_results()
 
-    def __call__(self, positions):
+    def __call__(self, positions: Array) -> tuple[float, Array]:
         """(energy, gradient (atoms, 3)) in hartree and bohr."""
         positions = np.asarray(positions, float)
         if not np.isfinite(positions).all():
@@ -42,14 +51,14 @@ class Surface:
         energy, gradient = self._xtb(positions.ravel(), self._results)
         return energy, np.array(gradient).reshape(-1, 3)
 
-    def energy(self, positions):
+    def energy(self, positions: Array) -> float:
         return self(positions)[0]
 
-    def hessian(self, positions):
+    def hessian(self, positions: Array) -> Array:
         rows = self.differences(positions)
         return (rows + rows.T) / 2
 
-    def differences(self, positions, step=0.005):
+    def differences(self, positions: Array, step: float = 0.005) -> Array:
         """The rows of the Hessian by central differences of the gradient. They are symmetric to 1e-4 hartree/bohr²:
         a gradient with which they are not is wrong."""
         flat = np.asarray(positions, float).ravel()

@@ -5,10 +5,15 @@ kJ/mol, or else the difference between its `E=` (hartree; xtb writes `energy:`) 
 Where a title gives both ways, they must agree to DIFFER: whoever changes one of them easily forgets the other.
 """
 
+from __future__ import annotations
+
 import re
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import read_text
 
 from . import geometry
@@ -19,7 +24,7 @@ from .xtb import BOHR, HARTREE
 DIFFER = 0.06  # kJ/mol; dE may be rounded to one decimal
 
 
-def words(title):
+def words(title: str) -> dict[str, str]:
     """What a title gives as KEY=VALUE, texts by their keys; xtb's `energy: VALUE` has the key E."""
     out = dict(re.findall(r"(?:^|[ \t,;(])energy(:)[ \t]*([^\s,;)]+)", title))
     out = {"E": out[":"]} if out else {}
@@ -31,23 +36,27 @@ def words(title):
 class Frame:
     """x: positions (atoms, 3) in angstrom."""
     title: str
-    numbers: list
-    x: np.ndarray
+    numbers: list[int]
+    x: Array
 
-    words = property(lambda self: words(self.title))
+    @property
+    def words(self) -> dict[str, str]:
+        return words(self.title)
 
 
-def frames_of(text, what, say=lambda _: None):
+def frames_of(text: str, what: str, say: Callable[[str], object] = lambda _: None) -> list[Frame]:
     """The Frames of a text, of whichever program. what: it is called in errors; say(line): tells what was put right. Errors:
     BadInput."""
-    lines, at, out = text.rstrip().split("\n"), 0, []
+    lines, at = text.rstrip().split("\n"), 0
+    out: list[Frame] = []
     atoms = {n: _atom(line, say) for n, line in enumerate(lines)}
     while at < len(lines):
         at = _frame(lines, atoms, at, what, say, out) if lines[at].strip() else at + 1
     return out
 
 
-def _frame(lines, atoms, at, what, say, out):
+def _frame(lines: list[str], atoms: Mapping[int, Any], at: int, what: str, say: Callable[[str], object],
+           out: list[Frame]) -> int:
     """Adds the Frame that begins in line `at`, and returns the line after it. atoms: of each line that is one."""
     if re.fullmatch(r"\s*\d{1,9}\s*", lines[at]):
         count, first = int(lines[at]), at + 2
@@ -78,7 +87,7 @@ def _frame(lines, atoms, at, what, say, out):
     return last
 
 
-def _atom(line, say):
+def _atom(line: str, say: Callable[[str], object]) -> tuple[float, ...] | None:
     """(atomic number, 0 for no known element, x, y, z) of a line, or None."""
     words = line.split()
     if any(re.fullmatch(r"[+-]?\d+,\d+", w) for w in words[1:4]):
@@ -97,14 +106,14 @@ def _atom(line, say):
     return (number if number < len(SYMBOLS) else 0, *x)
 
 
-def frames(path):
+def frames(path: str) -> list[Frame]:
     out = frames_of(read_text(path), path)
     if not out:
         raise BadInput(f"{path}: is empty")
     return out
 
 
-def finite(text):
+def finite(text: object) -> float:
     """The number of a text, or of what was read from JSON. Errors: ValueError, where it is no finite number."""
     value = float(str(text))  # of an integer of 400 digits it is infinite
     if not np.isfinite(value):
@@ -112,19 +121,20 @@ def finite(text):
     return value
 
 
-def above(given, conformation, where):
+def above(given: Mapping[str, str], conformation: Mapping[str, str], where: str) -> float:
     """kJ/mol above the conformation, by the words of both titles. Errors: BadInput, where there is no energy, or two that
     differ."""
-    def number(given, key, where):
+    def number(given: Mapping[str, str], key: str, where: str) -> float | None:
         try:
             return finite(given[key]) if key in given else None
         except ValueError:
             raise BadInput(f"{where}: {key}={given[key]} is no number") from None
     rise, own, base = number(given, "dE", where), number(given, "E", where), number(conformation, "E", "conformation")
-    difference = None if None in (own, base) else (own - base) * HARTREE
-    if rise is None and difference is None:
+    difference = None if own is None or base is None else (own - base) * HARTREE
+    energy = difference if rise is None else rise
+    if energy is None:
         raise BadInput(f"{where}: no energy: its title needs dE= (kJ/mol above the conformation), or E= (hartree) as "
                        "the conformation's title has it")
-    if None not in (rise, difference) and abs(rise - difference) > DIFFER:
+    if rise is not None and difference is not None and abs(rise - difference) > DIFFER:
         raise BadInput(f"{where}: dE= gives {rise:.6g} kJ/mol above the conformation, E= gives {difference:.6g}: remove one")
-    return difference if rise is None else rise
+    return energy

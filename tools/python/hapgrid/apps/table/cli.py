@@ -1,14 +1,19 @@
 """The command line of `hapgrid table`."""
 
+from __future__ import annotations
+
 import argparse
+from argparse import Namespace
+from collections.abc import Sequence
 
 from hapgrid.apps.common.cli import EXIT_CODES, Parser, formatter, guarded, number
 
 ABOUT = """\
 Makes a verified grid of a table of energies, with pictures, so that a hand can
 feel it. FILE is an AutoDock map (.map), an OpenDX table (.dx), a Gaussian cube
-(.cube) or a VTK image (.vti), and may be packed (.gz). Everything goes to the
-folder DIR. A run that was stopped continues there. A file in DIR that you
+(.cube, .cub), a VTK image (.vti), a density of CCP4 or MRC (.ccp4, .mrc, .map)
+or an array of NumPy (.npy, .npz), and may be packed (.gz). Everything goes to
+the folder DIR. A run that was stopped continues there. A file in DIR that you
 change is kept, and the same command computes again what depends on it.
 """
 
@@ -33,16 +38,26 @@ examples:
 """
 
 
-def unit(text):
+def unit(text: str) -> str:
     if len(text.encode()) > 15 or not text.isprintable() or '"' in text or "\\" in text:
         raise argparse.ArgumentTypeError("a unit has at most 15 bytes, no quotes and no backslash")
     return text
 
 
-def parser():
+def three(text: str) -> list[float]:
+    try:
+        values = [float(word) for word in text.split(",")]
+    except ValueError:
+        values = []
+    if len(values) != 3 or not all(abs(v) < 1e30 for v in values):
+        raise argparse.ArgumentTypeError("must be three numbers with commas between")
+    return values
+
+
+def parser() -> Parser:
     p = Parser(prog="hapgrid table", description=ABOUT, epilog=AFTERWARDS, formatter_class=formatter,
                allow_abbrev=False, usage="hapgrid table FILE -o DIR [options]")
-    p.add_argument("file", metavar="FILE", help="table: .map, .dx, .cube or .vti")
+    p.add_argument("file", metavar="FILE", help="table, of one of the formats above")
     p.add_output("threads")
     p.add_argument("--force", type=number(0.01, 100), metavar="N", default=3.0,
                    help="force on the device where the energy is steepest, in newtons (default: 3)")
@@ -52,19 +67,23 @@ def parser():
                    help="number by which all values are multiplied, as a charge (default: 1)")
     p.add_argument("--spacing", type=number(1e-9, 1e9), metavar="H",
                    help="spacing of the grid in the table's unit of length (default: the smallest of the table)")
-    p.add_argument("--array", metavar="NAME", help="array of a .vti (default: its scalars)")
-    p.add_argument("--unit", type=unit, metavar="TEXT",
-                   help="unit of the energy (default: kcal/mol for .map, hartree for .cube, else none)")
-    p.add_argument("--length-unit", type=unit, metavar="TEXT",
-                   help="unit of lengths (default: angstrom, for .vti none)")
+    p.add_argument("--array", metavar="NAME", help="array of a .vti (default: its scalars) or .npz; number of an orbital of a .cube")
+    p.add_argument("--origin", type=three, metavar="X,Y,Z", help="place of the first value of a .npy or .npz")
+    p.add_argument("--steps", type=three, metavar="X,Y,Z", help="steps between the values of a .npy or .npz along the axes")
+    p.add_argument("--unit", type=unit, metavar="UNIT",
+                   help="unit of the energy: values in kcal/mol (.map) or hartree (.cube) are converted to it, others are taken to "
+                   "be in it. FROM:TO converts: kT/e:kJ/mol, with the charge as --factor")
+    p.add_argument("--length-unit", type=unit, metavar="UNIT",
+                   help="unit of lengths: angstroms (.map, .cube, .ccp4) are converted to it, others are taken to be in it "
+                   "(default: angstrom; for .vti and arrays none)")
     p.add_until("definition")
     return p
 
 
-def run(options):
-    from . import course  # wants numpy, and --help does not
-    return course.run(options)
+def run(options: Namespace) -> str:
+    from . import steps  # wants numpy, and --help does not
+    return steps.run(options)
 
 
-def main(arguments):
+def main(arguments: Sequence[str]) -> int:
     return guarded("table", parser().parse_args, run, arguments)

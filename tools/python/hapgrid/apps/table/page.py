@@ -1,13 +1,18 @@
 """A way through the table, pictures, and the page that sums up."""
 
+from __future__ import annotations
+
 import html
 import itertools
 import json
 import tomllib
 import urllib.parse
+from collections.abc import Sequence
 
 import numpy as np
 from hapgrid.apps.common import plots
+from hapgrid.apps.common.arrays import Array
+from hapgrid.apps.common.work import Work
 
 FEEL = """<a href="feel.html">Feel it with the mouse or a finger</a>: this page needs neither hapgrid nor a network, and can be
 sent to others."""
@@ -20,7 +25,7 @@ pre { overflow-x: auto }"""
 class Values:
     """The energies at the points of the table, as the plug-in has them (field.hpp)."""
 
-    def __init__(self, work, name):
+    def __init__(self, work: Work, name: str) -> None:
         definition = tomllib.loads(work.read(f"{name}.toml"))
         grid, model = definition["grid"], definition["model"]
         parameters = model["parameters"]
@@ -46,26 +51,26 @@ class Values:
         self.length_unit = parameters.get("length_unit", "")
         self.force = parameters.get("largest_force", 3)
 
-    def lowest(self):
+    def lowest(self) -> tuple[int, ...]:
         """Indices of the lowest point, inside rather than at the edge."""
         inside = self.energy[1:-1, 1:-1, 1:-1]
         return tuple(int(n) + 1 for n in np.unravel_index(int(inside.argmin()), inside.shape))
 
-    def place(self, index):
+    def place(self, index: Sequence[int] | Array) -> Array:
         return self.origin + np.asarray(index, float) @ self.axes
 
 
-def way(values):
+def line_through_lowest(values: Values) -> tuple[Array, Array]:
     """(start, end): a line through the lowest point along an axis or a diagonal of the table, that which climbs
     least. It ends at the edge of the table, or of the grid's box, which may be smaller."""
     lowest = np.array(values.lowest())
     last = np.array(values.energy.shape) - 1
 
-    def ray(step):
+    def ray(step: Array) -> list[Array]:
         count = min(int((last[a] - lowest[a]) if step[a] > 0 else lowest[a]) for a in range(3) if step[a])
         return [lowest + n * step for n in range(count + 1)]
 
-    def climbs(step):
+    def climbs(step: Array) -> float:
         both = ray(step) + ray(-step)
         return max(values.energy[tuple(p)] for p in both)
     steps = [np.array(s) for s in itertools.product((-1, 0, 1), repeat=3) if s > (0, 0, 0)]
@@ -73,13 +78,13 @@ def way(values):
     start, end = values.place(ray(-best)[-1]), values.place(ray(best)[-1])
     along = [a for a in range(3) if start[a] != end[a]]
     parts = [sorted((bound[a] - start[a]) / (end[a] - start[a]) for bound in (values.low, values.high)) for a in along]
-    first, last = max(part[0] for part in parts), min(part[1] for part in parts)
+    into, out = max(part[0] for part in parts), min(part[1] for part in parts)
     # A little inside the box where it ends the way, since the numbers of a path are rounded.
-    first, last = first + 1e-6 if first > 0 else 0.0, last - 1e-6 if last < 1 else 1.0
-    return (start + first * (end - start), start + last * (end - start)) if first < last else (start, end)
+    into, out = into + 1e-6 if into > 0 else 0.0, out - 1e-6 if out < 1 else 1.0
+    return (start + into * (end - start), start + out * (end - start)) if into < out else (start, end)
 
 
-def way_text(ends, unit, ticks):
+def path_text(ends: Sequence[Array], unit: str, ticks: int) -> str:
     """A path for play: there and back."""
     start, end = ends
     there = [start + (end - start) * k / ticks for k in range(ticks + 1)]
@@ -88,7 +93,7 @@ def way_text(ends, unit, ticks):
                       *rows]) + "\n"
 
 
-def slices(work, values):
+def slices(work: Work, values: Values) -> str:
     """slices.png: the three planes of the table through its lowest point."""
     style = plots.style()
     drawn = style.figure(8.2, 3)
@@ -111,7 +116,7 @@ def slices(work, values):
     return "slices.png"
 
 
-def along(work, grid, unit, length_unit, prefix=""):
+def along(work: Work, grid: str, unit: str, length_unit: str, prefix: str = "") -> list[str]:
     """Plays the way; pictures of force and energy along it, and the play in a page."""
     work.run("play", grid, "--device", f"path:{prefix}path.txt", "--log", f"{prefix}played.log", "--frames",
              f"{prefix}played.frames")
@@ -128,7 +133,7 @@ def along(work, grid, unit, length_unit, prefix=""):
     return [f"{prefix}{n}" for n in ("force.png", "energy.png", "played.html", "played.log", "played.frames")]
 
 
-def write_frame(work, name, body):
+def write_frame(work: Work, name: str, body: str) -> list[str]:
     """index.html: the body, how to feel the grid, and its report; feel.html. [their names]"""
     felt = work.feel_page(f"{name}.grid")
     link = f"<p>{FEEL}\n" if felt else ""
@@ -152,7 +157,7 @@ def write_frame(work, name, body):
     return [*felt, "index.html"]
 
 
-def write(work, name, values):
+def write(work: Work, name: str, values: Values) -> list[str]:
     grid = f"{name}.grid"
     made = ["path.txt", slices(work, values), *along(work, grid, values.unit, values.length_unit)]
     scale = json.loads(work.run("stats", grid, "--format", "json")[0]).get("force_scale")

@@ -1,75 +1,87 @@
 """Tables of energies in the formats of other programs. Each reader gives a Table, and refuses with one line
 what does not fit the file's own header."""
 
-import base64
+from __future__ import annotations
+
 import math
 import os
 import re
-import xml.etree.ElementTree as xml
 import zlib
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
-from hapgrid.apps.common import confined
+from hapgrid.apps.common import sandbox
+from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import Failed, read_bytes
 
-BOHR = 0.529177210903  # angstrom, CODATA 2018
+from .units import BOHR
+
 MOST_VALUES = 16 << 20
 MOST_BYTES = 1 << 30
 MOST_LENGTH = 1e30
 CAPPED = 1e5  # kcal/mol: AutoGrid writes nothing higher, which is the inside of the receptor
 SYMBOLS = """X H He Li Be B C N O F Ne Na Mg Al Si P S Cl Ar K Ca Sc Ti V Cr Mn Fe Co Ni Cu Zn Ga Ge As Se Br Kr
 Rb Sr Y Zr Nb Mo Tc Ru Rh Pd Ag Cd In Sn Sb Te I Xe""".split()
+# Covalent radii in angstrom (Cordero et al., Dalton Trans. 2008, 2832).
+RADII = dict(zip(SYMBOLS[1:], map(float, """.31 .28 1.28 .96 .84 .76 .71 .66 .57 .58 1.66 1.41 1.21 1.11 1.07 1.05 1.02 1.06 2.03 1.76
+1.7 1.6 1.53 1.39 1.39 1.32 1.26 1.24 1.32 1.22 1.22 1.2 1.19 1.2 1.2 1.16 2.2 1.95 1.9 1.75 1.64 1.54 1.47 1.46 1.42 1.39
+1.45 1.44 1.42 1.39 1.39 1.38 1.39 1.4""".split())))
 
 
 @dataclass
 class Table:
     """values: indexed [i, j, k] along the three axes, NaN where there is none. origin: of [0, 0, 0];
     axes: rows, from a point to the next one along each axis. atoms: (symbol, position)."""
-    values: np.ndarray
-    origin: np.ndarray
-    axes: np.ndarray
+    values: Array
+    origin: Array
+    axes: Array
     length_unit: str = "angstrom"
     energy_unit: str = ""
-    atoms: list = field(default_factory=list)
-    notes: list = field(default_factory=list)  # what a user may want to know of the file
+    has_unit: bool = False  # whether the file's format says that lengths are in angstrom
+    atoms: list[tuple[str, Array]] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)  # what a user may want to know of the file
 
 
-def read(path, array=None):
-    """array: name of the one that is wanted, of a .vti with several."""
+def read(path: str, array: str | None = None, origin: Sequence[float] | None = None,
+         steps: Sequence[float] | None = None) -> Table:
+    """array: name or number of the one that is wanted, where a file has several. origin, steps: of a file that has none."""
     name = os.path.basename(path).lower()
     packed = name.endswith(".gz")
     kind = os.path.splitext(name[:-3] if packed else name)[1]
     if kind not in READERS:
-        raise Failed(f"{path}: only .map, .dx, .cube and .vti are known, and each with .gz behind it")
+        raise Failed(f"{path}: only {', '.join([*READERS][:-1])} and {[*READERS][-1]} are known, and each with .gz behind it")
     data = read_bytes(path, MOST_BYTES)
 
-    def parsed():
+    def parsed() -> Table:
         content = inflated(data, 31) if packed else data
-        return _checked(read_vti(content, array) if kind == ".vti" else READERS[kind](_text(content)))
+        if kind == ".map" and not volumes.is_ccp4(content):
+            return _checked(read_map(_text(content)))
+        return _checked(READERS[kind](content, array=array, origin=origin, steps=steps))
     return behind_walls(path, parsed)
 
 
-def behind_walls(path, parsed):
+def behind_walls(path: str, parsed: Callable[[], Table]) -> Table:
     """The Table that parsed() makes of a file."""
-    def plain():
+    def plain() -> dict[str, Any]:
         try:
             table = parsed()
         except Failed as why:
             raise Failed(f"{path}: {why}") from None
         return {**vars(table), "atoms": [[symbol for symbol, _ in table.atoms], np.array([x for _, x in table.atoms]).reshape(-1, 3)]}
-    table = Table(**confined.run(plain, path))
-    table.atoms = list(zip(*table.atoms))
+    table = Table(**sandbox.run(plain, path))
+    table.atoms = [(symbol, x) for symbol, x in zip(*table.atoms)]
     return table
 
 
-def _text(data):
+def _text(data: bytes) -> str:
     if b"\0" in data:
         raise Failed("it is no text file")
     return data.decode("utf-8", "replace")
 
 
-def inflated(data, wbits, most=MOST_BYTES):
+def inflated(data: bytes, wbits: int, most: int = MOST_BYTES) -> bytes:
     try:
         unpacker = zlib.decompressobj(wbits)
         out = unpacker.decompress(data, most)
@@ -80,7 +92,7 @@ def inflated(data, wbits, most=MOST_BYTES):
         raise Failed("its compressed data are damaged") from None
 
 
-def _checked(table):
+def _checked(table: Table) -> Table:
     if min(table.values.shape) < 4:
         raise Failed(f"{' x '.join(map(str, table.values.shape))} values: at least 4 are needed along each axis")
     if not (np.abs([table.origin, *table.axes]) < MOST_LENGTH).all():
@@ -94,7 +106,7 @@ def _checked(table):
     return table
 
 
-def _numbers(text, count, what="values"):
+def _numbers(text: str, count: int, what: str = "values") -> Array:
     """All numbers of a text, which must be `count`."""
     words = text.split()
     if len(words) != count:
@@ -102,19 +114,28 @@ def _numbers(text, count, what="values"):
     try:
         return np.array(words, dtype=float)
     except ValueError:
+        pass
+    try:
+        return np.array([_fortran(word) for word in words], dtype=float)
+    except ValueError:
         wrong = next(w for w in words if not _is_number(w))
         raise Failed(f"'{wrong[:20]}' among the {what} is no number") from None
 
 
-def _is_number(word):
+def _fortran(word: str) -> str:
+    """1.2D-02, and 0.33-101, in which there was no place for the letter."""
+    return re.sub("(?<=[0-9.])(?:[dDqQ](?=[+-]?[0-9])|(?=[+-][0-9]{3}$))", "e", word)
+
+
+def _is_number(word: str) -> bool:
     try:
-        float(word)
+        float(_fortran(word))
         return True
     except ValueError:
         return False
 
 
-def _count(words, what):
+def _count(words: Sequence[Any] | Array, what: str) -> tuple[list[int], int]:
     """Whole numbers of points, and their product."""
     try:
         counts = [int(w) for w in words]
@@ -127,14 +148,14 @@ def _count(words, what):
     return counts, math.prod(counts)
 
 
-def _many(n):
+def _many(n: int) -> str:
     return f"{n:,}" if n < 10**15 else "over 10^15"
 
 
 # AutoGrid
 
 
-def read_map(text):
+def read_map(text: str) -> Table:
     """Six lines of header, then a value a line, x fastest. NELEMENTS counts cells, not points."""
     lines = text.split("\n", 6)
     if len(lines) < 7:
@@ -151,13 +172,13 @@ def read_map(text):
     counts, total = _count([int(c) + 1 for c in cells], "NELEMENTS")
     values = _numbers(lines[6], total).reshape(counts[::-1]).transpose(2, 1, 0)
     return Table(np.where(values >= CAPPED, np.nan, values), centre - spacing * cells / 2, spacing * np.eye(3),
-                 energy_unit="kcal/mol")
+                 energy_unit="kcal/mol", has_unit=True)
 
 
 # OpenDX
 
 
-def read_dx(text):
+def read_dx(text: str) -> Table:
     """As APBS writes it: regular positions, then one array of numbers, z fastest."""
     lines = [line for line in text.splitlines() if not line.lstrip().startswith("#")]
     counts, origin, deltas, total = None, None, [], None
@@ -187,181 +208,119 @@ def read_dx(text):
 
 # Gaussian cube
 
+# What a title calls values that are energies of a charge, and others.
+_ENERGIES = re.compile(r"potential|electrostatic|\besp\b|energy|hartree", re.IGNORECASE)
+_OTHERS = re.compile(r"densit|\bdens\b|\brho\b|\bdt\b|orbital|wave ?function|\bpsi|\bmo\b|homo|lumo|spin|\belf\b|\brdg\b|laplac|"
+                     r"gradient|\bldos\b|\bstm\b|e/(a0|bohr|ang)", re.IGNORECASE)
+_NO_CELL = 1.2  # angstrom: steps that are longer may be a whole box
+_BOND = 0.65  # of the sum of two radii: no atoms are nearer to each other
 
-def read_cube(text):
-    """Two titles, atoms, values with z fastest. Lengths are in bohr; counts below zero say angstrom."""
-    lines = text.split("\n", 6)
+
+def read_cube(data: bytes, array: str | None = None, **_: Any) -> Table:
+    """Two titles, atoms, values with z fastest. Lengths are in bohr; counts below zero say angstrom, and so do atoms that
+    would else lie within each other."""
+    lines = _text(data).split("\n", 6)
     if len(lines) < 7:
         raise Failed("it ends before the 6 lines of a cube's header")
     try:
-        head = [[float(w) for w in line.split()] for line in lines[2:6]]
+        head = [[float(_fortran(w)) for w in line.split()] for line in lines[2:6]]
     except ValueError:
         raise Failed("no cube: a word among the numbers in lines 3 to 6") from None
     if not 4 <= len(head[0]) <= 5 or any(len(row) != 4 for row in head[1:]) or not all(
             math.isfinite(v) for row in head for v in row) or any(row[0] != int(row[0]) for row in head):
         raise Failed("no cube: lines 3 to 6 need a whole number and 3 others each")
-    atoms, orbital = abs(int(head[0][0])), head[0][0] < 0
+    atoms, is_orbital = abs(int(head[0][0])), head[0][0] < 0
     each = int(head[0][4]) if len(head[0]) == 5 else 1
-    unit = 1 if head[1][0] < 0 else BOHR
     counts, total = _count([abs(int(row[0])) for row in head[1:]], "lines 4 to 6")
     if atoms > 200_000:
         raise Failed(f"{atoms:,} atoms are too many")
     rest = lines[6].split("\n", atoms)
     if len(rest) <= atoms:
         raise Failed(f"it ends before its {atoms} atoms")
-    known = []
-    for line in rest[:atoms]:
-        row = _numbers(line, 5, "numbers of an atom")
-        z = int(row[0]) if 0 <= row[0] < len(SYMBOLS) else 0
-        known.append((SYMBOLS[z], row[2:] * unit))
+    rows = [_numbers(line, 5, "numbers of an atom") for line in rest[:atoms]]
+    known = [(SYMBOLS[int(row[0])] if 0 <= row[0] < len(SYMBOLS) else "X", row[2:]) for row in rows]
+    numbers: list[str] = []
     body = rest[atoms]
-    if orbital:  # a line, perhaps more, with how many orbitals there are, and their numbers
+    if is_orbital:  # a line, perhaps more, with how many orbitals there are, and their numbers
         words = body.split(None, 1)
         each = int(words[0]) if words and re.fullmatch("[0-9]{1,4}", words[0]) else 0
         words = body.split(None, each + 1)
         if each < 1 or len(words) < each + 2:
             raise Failed("the list of its orbitals is not understood")
-        body = words[-1]
+        body, numbers = words[-1], words[1:-1]
     if not 1 <= each <= 1000 or each * total > MOST_VALUES:
         raise Failed(f"{_many(each)} values a point are too many")
-    values = _numbers(body, total * each).reshape([*counts, each])[..., 0]
-    notes = [f"it has {each} values a point: the first is taken"] if each > 1 else []
-    return Table(np.array(values), np.array(head[0][1:4]) * unit, np.array([row[1:] for row in head[1:]]) * unit,
-                 energy_unit="hartree", atoms=known, notes=notes)
+    notes = [f"title: {' / '.join(' '.join(line.split()) for line in lines[:2])[:120]}"]
+    at = _wanted(array, numbers, each, notes)
+    values = np.array(_numbers(body, total * each).reshape([*counts, each])[..., at])
+    origin, axes = np.array(head[0][1:4]), np.array([row[1:] for row in head[1:]])
+    unit = _cube_unit(head[1][0] < 0, known, notes)
+    known = [(symbol, place * unit) for symbol, place in known]
+    _refuse_whole_box(origin * unit, axes * unit, counts, known)
+    return Table(values, origin * unit, axes * unit, energy_unit=_cube_energy(" ".join(lines[:2]), is_orbital, values, notes),
+                 has_unit=True, atoms=known, notes=notes)
 
 
-# VTK image data
-
-_TYPES = {"Int8": "i1", "UInt8": "u1", "Int16": "i2", "UInt16": "u2", "Int32": "i4", "UInt32": "u4", "Int64": "i8",
-          "UInt64": "u8", "Float32": "f4", "Float64": "f8"}
-
-
-def read_vti(data, wanted=None):
-    """Image data of one piece with values at points: as text, base64 or raw bytes, perhaps with zlib."""
-    tag = data.find(b"<AppendedData")
-    appended, raw = re.compile(rb"\s*_").match(data, data.find(b">", tag) + 1) if tag > 0 else None, b""
-    if appended:  # raw bytes are no XML: they end with the last </AppendedData>
-        end = data.rfind(b"</AppendedData>")
-        raw = data[appended.end():end if end > 0 else len(data)]
-        data = data[:appended.end() - 1] + b"</AppendedData></VTKFile>"
-    encoding = re.match(rb"\s*<\?xml[^>]{0,99}encoding\s*=\s*.([\w.-]*)", data)
-    if b"\0" in data or encoding and encoding[1].lower() not in (b"utf-8", b"us-ascii", b"ascii", b"iso-8859-1"):
-        raise Failed("no VTK image: it is not written in UTF-8")
-    if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
-        raise Failed("no VTK image: it defines entities of XML")
-    try:
-        root = xml.fromstring(data)
-    except (xml.ParseError, ValueError) as why:
-        raise Failed(f"no VTK image: {why}") from None
-    image = root.find("ImageData")
-    if root.get("type") != "ImageData" or image is None:
-        raise Failed("no VTK image: the file's type is not ImageData")
-    pieces = image.findall("Piece")
-    if len(pieces) != 1 or pieces[0].get("Extent", image.get("WholeExtent")) != image.get("WholeExtent"):
-        raise Failed("only an image of one piece can be read")
-    extent = _numbers(image.get("WholeExtent", ""), 6, "numbers of its extent").astype(int)
-    counts, total = _count(extent[1::2] - extent[::2] + 1, "WholeExtent")
-    array = _array_of(pieces[0].find("PointData"), wanted)
-    if array.get("NumberOfComponents", "1") != "1":
-        raise Failed(f"its array {array.get('Name')} has vectors: only one number a point can be felt")
-    values = _array(root, array, raw, total)
-    spacing = _numbers(image.get("Spacing", "1 1 1"), 3, "numbers of its spacing")
-    turn = _numbers(image.get("Direction", "1 0 0 0 1 0 0 0 1"), 9, "numbers of its direction").reshape(3, 3)
-    axes = (turn * spacing).T  # column a of the direction is axis a
-    origin = _numbers(image.get("Origin", "0 0 0"), 3, "numbers of its origin") + extent[::2] @ axes
-    return Table(values.reshape(counts[::-1]).transpose(2, 1, 0).copy(), origin, axes, length_unit="",
-                 notes=[f"array {array.get('Name')}"])
+def _wanted(array: str | None, numbers: list[str], each: int, notes: list[str]) -> int:
+    """Which of the values of a point is wanted: by its number, which an orbital has in the file."""
+    names = numbers or [str(n + 1) for n in range(each)]
+    if array is not None and array not in names:
+        raise Failed(f"--array {array}: it has {'orbital' if numbers else 'value'}{'s' * (each > 1)} {', '.join(names[:20])}")
+    at = names.index(array) if array is not None else 0
+    if numbers or each > 1:
+        notes.append(f"{'orbital' if numbers else 'value'} {names[at]}" + (
+            f" of {', '.join(names[:20])}: --array takes another one" if each > 1 else ""))
+    return at
 
 
-def _array_of(points, wanted):
-    arrays = [] if points is None else points.findall("DataArray")
-    names = [a.get("Name", "") for a in arrays]
-    wanted = wanted or (points.get("Scalars") if points is not None else None) or (names[0] if names else None)
-    if wanted not in names:
-        raise Failed(f"it has no array {wanted} at points, only {', '.join(names)}" if names
-                     else "it has no values at points")
-    return arrays[names.index(wanted)]
+def _cube_unit(says_angstrom: bool, atoms: list[tuple[str, Array]], notes: list[str]) -> float:
+    """Angstrom for one unit of length."""
+    if says_angstrom:
+        return 1
+    nearest: tuple[float, str, str, float] | None = None
+    places = np.array([place for _, place in atoms]).reshape(-1, 3)
+    for n, (symbol, place) in enumerate(atoms[:2000]):
+        away = np.linalg.norm(places[n + 1:] - place, axis=1)
+        for m in np.flatnonzero(away * BOHR < 2.5):
+            other = atoms[n + 1 + m][0]
+            part = away[m] * BOHR / (RADII.get(symbol, 1.4) + RADII.get(other, 1.4)) if "X" not in (symbol, other) else 1
+            if 0.05 < part < min(_BOND, nearest[0] if nearest else _BOND):
+                nearest = part, symbol, other, away[m]
+    if nearest is None:
+        return BOHR
+    _, one, other, away = nearest
+    notes.append(f"{one} and {other} would be only {away * BOHR:.2f} angstrom apart if its lengths were in bohr: they are taken "
+                 "as angstrom")
+    return 1
 
 
-def _array(root, array, raw, total):
-    kind, how = array.get("type"), array.get("format", "ascii")
-    if kind not in _TYPES:
-        raise Failed(f"values of the type {kind} are not known")
-    if how == "ascii":
-        return _numbers(array.text or "", total)
-    order = "<" if root.get("byte_order", "LittleEndian") == "LittleEndian" else ">"
-    head = np.dtype(order + ("u8" if root.get("header_type") == "UInt64" else "u4"))
-    packed = root.get("compressor")
-    if packed not in (None, "vtkZLibDataCompressor"):
-        raise Failed(f"its compressor {packed} is not known: write it with zlib or without")
-    if how == "binary":
-        stream = _Base64((array.text or "").encode("ascii", "replace"))
-    elif how == "appended":
-        offset = array.get("offset", "")
-        part = raw[int(offset):] if offset.isdigit() else b""
-        tag = root.find("AppendedData")
-        stream = _Base64(part) if tag is not None and tag.get("encoding") == "base64" else _Raw(part)
-    else:
-        raise Failed(f"values in the format {how} are not known")
-    dtype = np.dtype(order + _TYPES[kind])
-    data = (_blocks if packed else _plain)(stream, head, total * dtype.itemsize)
-    if len(data) != total * dtype.itemsize:
-        raise Failed(f"its extent speaks of {total:,} values, and it has {len(data) // dtype.itemsize:,}")
-    return np.frombuffer(data, dtype).astype(float)
+def _refuse_whole_box(origin: Array, axes: Array, counts: list[int], atoms: list[tuple[str, Array]]) -> None:
+    """Some programs write the vectors of the whole box where a cube has the steps."""
+    steps = np.linalg.norm(axes, axis=1)
+    if not (steps > _NO_CELL).all() or not abs(np.linalg.det(axes)) > 0:
+        return
+    within = [(place - origin) @ np.linalg.inv(axes) for _, place in atoms]
+    if all((abs(place - 0.5) <= 1).all() for place in within) if atoms else (steps > 3).all():
+        raise Failed(f"its steps are {', '.join(f'{s:.3g}' for s in steps)} angstrom long, as if whole box vectors stood in place of "
+                     f"steps: divide them by {', '.join(map(str, counts))}, or by one less, as the program that wrote it counts")
 
 
-class _Raw:
-    """A part of the file, read in pieces."""
-
-    def __init__(self, data):
-        self.data = data
-
-    def take(self, size):
-        out, self.data = self.data[:size], self.data[size:]
-        if len(out) < size:
-            raise Failed("it ends in the middle of its values")
-        return out
-
-    def peek(self, size):
-        return type(self)(self.data).take(size)
+def _cube_energy(title: str, is_orbital: bool, values: Array, notes: list[str]) -> str:
+    """The unit, as far as one may say so: that of an electrostatic potential, for a charge of 1."""
+    if not is_orbital and _ENERGIES.search(title):
+        return "hartree"
+    if is_orbital or _OTHERS.search(title):
+        notes.append("these are no energies: their unit is not known, --unit names it")
+        return ""
+    if values.min() >= 0 and values.min() < 1e-3 * values.max():
+        notes.append("no value is below zero, as of a density: their unit is not known, --unit names it")
+        return ""
+    notes.append("its title names no unit: the values are taken as hartree")
+    return "hartree"
 
 
-class _Base64(_Raw):
-    """The same in base64. Each of VTK's pieces is encoded by itself."""
+from . import volumes, vti  # noqa: E402  # they use what stands above
 
-    def take(self, size):
-        text = self.data.lstrip()
-        length = (size + 2) // 3 * 4
-        self.data = text[length:]
-        try:
-            out = base64.b64decode(text[:length])
-        except ValueError:
-            out = b""
-        if len(out) < size:
-            raise Failed("its values in base64 are damaged or end in the middle")
-        return out[:size]
-
-
-def _plain(stream, head, most):
-    # In base64 the header and the values are one piece.
-    size = int(np.frombuffer(stream.peek(head.itemsize), head)[0])
-    if size > most:
-        return b"\0" * min(size, 2 * most)
-    return stream.take(head.itemsize + size)[head.itemsize:]
-
-
-def _blocks(stream, head, most):
-    # The header: number of blocks, size of each and of the last one, then the size of each when packed.
-    count, size, last = (int(n) for n in np.frombuffer(stream.peek(3 * head.itemsize), head))
-    if count > most or count * size > most + size:
-        raise Failed("the blocks of its compressed values do not fit its extent")
-    sizes = [int(n) for n in np.frombuffer(stream.take((3 + count) * head.itemsize), head)[3:]]
-    packed = stream.take(sum(sizes))
-    out, at = [], 0
-    for length in sizes:
-        out.append(inflated(packed[at:at + length], 15, min(size, most) + 1))
-        at += length
-    return b"".join(out)
-
-
-READERS = {".map": read_map, ".dx": read_dx, ".cube": read_cube, ".vti": None}
+READERS: dict[str, Callable[..., Table]] = {
+    ".map": volumes.read_ccp4, ".dx": lambda data, **_: read_dx(_text(data)), ".cube": read_cube, ".cub": read_cube, ".vti": vti.read_vti,
+    ".npy": volumes.read_npy, ".npz": volumes.read_npz, ".ccp4": volumes.read_ccp4, ".mrc": volumes.read_ccp4}

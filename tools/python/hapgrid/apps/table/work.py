@@ -1,7 +1,12 @@
 """A folder with the one grid that follows from a definition, of `hapgrid table` or `hapgrid dock`."""
 
+from __future__ import annotations
+
 import sys
 import tomllib
+from argparse import Namespace
+from collections.abc import Callable
+from typing import Any
 
 from hapgrid.apps.common import grid as grids
 from hapgrid.apps.common.cli import BreaksRule
@@ -11,7 +16,7 @@ from hapgrid.apps.common.work import Work as Folder
 VERIFY_SHARE = 0.6  # about, of what the search took, when that took long
 
 
-def course(command, o, define, page):
+def run_steps(command: str, o: Namespace, define: Callable[[Work, str], Any], page: Callable[[Work, str], Any]) -> str:
     """Everything; the line for standard output. o: the options; define(work, name) makes the definition, and page(work, name)
     the page."""
     work = Work(command, o.output, o.quiet)
@@ -38,12 +43,12 @@ def course(command, o, define, page):
 
 
 class Work(Folder):
-    def compute_grid(self, toml, grid, threads):
+    def compute_grid(self, toml: str, grid: str, threads: int) -> None:
         """Computes and verifies a grid; where a run was interrupted it goes on. Makes GRID, GRID.cost, verify.txt.
         Errors: BreaksRule."""
         title = f"computing {grid}"
 
-        def compute():
+        def compute() -> list[str]:
             watched = not self.quiet and sys.stderr.isatty()
             expected = grids.estimated(self, toml, threads, 100, 2) if watched else None
             failed = grids.compute(self, title, toml, grid, threads, expected)
@@ -53,14 +58,14 @@ class Work(Folder):
         self.step("grid", title, [toml, *self.inputs_of(toml)], [], compute)
         title = "checking that the grid is whole and that its states are the model's"
 
-        def verify():
+        def verify() -> list[str]:
             took = grids.cpu_seconds(self, grid) / threads
             if not grids.verify(self, title, grid, threads, VERIFY_SHARE * took if took > 5 else None):
                 raise BreaksRule(f"{grid} breaks a rule: see {self.path('verify.txt')}")
             return ["verify.txt"]
         self.step("verify", title, [grid], [], verify)
 
-    def inputs_of(self, toml):
+    def inputs_of(self, toml: str) -> list[str]:
         """The files that a definition names, changed by hand or not. Errors: Failed, where one is not beside it."""
         try:
             files = tomllib.loads(self.read(toml))["model"].get("files", {})

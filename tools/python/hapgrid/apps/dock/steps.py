@@ -1,17 +1,22 @@
-"""The course of a host and a ligand from their files to the page."""
+"""The steps of a host and a ligand from their files to the page."""
+
+from __future__ import annotations
 
 import json
 import math
 import os
+from argparse import Namespace
+from typing import Any
 
 import numpy as np
+from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import Failed, digest, pieces, remove
 from hapgrid.apps.table import page, readers
-from hapgrid.apps.table.course import table_text
-from hapgrid.apps.table.work import course
+from hapgrid.apps.table.steps import table_text
+from hapgrid.apps.table.work import Work, run_steps
 from scipy.interpolate import CubicSpline
 
-from . import field, maps
+from . import field, maps, prepare
 
 LARGEST = 10.0  # angstrom: the sides of a box that nobody asked for
 MAX_LEVELS = 254
@@ -25,33 +30,31 @@ TICKS = 4000  # of the way in, and as many back
 STEPS = [np.array((i, j, k)) for k in (-1, 0, 1) for j in (-1, 0, 1) for i in (-1, 0, 1) if (i, j, k) != (0, 0, 0)]
 
 
-def run(o):
+def run(o: Namespace) -> str:
     """Everything; the line for standard output."""
     for given in (o.host, o.ligand):
         next(pieces(given), None)  # says why, where it cannot be read
     options = [o.centre, o.size, o.spacing, o.map_spacing, o.torsions, o.atoms]
 
-    def define(work, name):
+    def define(work: Work, name: str) -> None:
         work.enter()
         given = [o.host, o.ligand, *(field.files(o.host).values() if _is_field(o.host) else ())]
         work.step("definition", "reading host and ligand" if o.atoms else "computing the maps", [], [*map(digest, given), options],
                   lambda: _define(o, work, name))
-    return course("dock", o, define, _page)
+    return run_steps("dock", o, define, _page)
 
 
-def _is_field(path):
+def _is_field(path: str) -> bool:
     return path.lower().endswith(".fld")
 
 
-def _define(o, work, name):
+def _define(o: Namespace, work: Work, name: str) -> list[str]:
     remove(work.path(f"{name}.toml"))  # where this run is refused, the next one must not take its files for good
     own = _is_field(o.host)
     if own and o.atoms:
         raise Failed(f"{o.host}: --atoms needs the file of the host's atoms, not of its maps")
     host = field.host(o.host) if own else maps.pdbqt(work, o.host, "host", maps.MOST_BY_ATOMS if o.atoms else maps.MOST_HOST)
     ligand = maps.pdbqt(work, o.ligand, "ligand", maps.MOST_LIGAND)
-    if len(ligand) < 2:
-        raise Failed(f"{o.ligand}: one atom cannot turn: `hapgrid table` makes a grid of a map")
     reach = maps.reach(ligand, work.read("ligand.pdbqt"), o.torsions > 0)
     if own:
         names, tables = field.read(o.host, ligand)
@@ -72,9 +75,10 @@ def _define(o, work, name):
     if own and not ((centre - size / 2 >= low - 1e-6) & (centre + size / 2 <= high + 1e-6)).all():
         raise Failed(f"the box is not inside the maps, which go from {_point(low)} to {_point(high)}")
     low, high = centre - size / 2, centre + size / 2
+    prepare.require_near(host, low, high, reach)
     made = []
     if o.atoms:
-        names = tables = []
+        names, tables = [], []
     elif own:
         tables = [field.fitted(table, low - reach, high + reach) for table in tables]
     else:
@@ -87,7 +91,7 @@ def _define(o, work, name):
              f"{o.spacing:g} angstrom apart; {by}")
     types = "" if o.atoms else f"types = {json.dumps(names)}   # what the maps are of: AutoDock's types of atoms, charge e, desolvation d\n"
 
-    def definition(force_scale):
+    def definition(force_scale: float) -> str:
         return f"""\
 # {name}: made by `hapgrid dock`, which keeps what is changed here and computes the grid anew when it is run
 # again. Lengths in Å.
@@ -125,20 +129,20 @@ store = ["energy", "force"]
     return [*([] if own else ["host.pdbqt"]), "ligand.pdbqt", WALL, f"{name}.toml", *files, *made]
 
 
-def _point(place):
+def _point(place: Array) -> str:
     return ",".join(f"{v:g}" for v in place.round(2))
 
 
-def _wall(work, low, spacing, counts, threads):
+def _wall(work: Work, low: Array, spacing: float, counts: list[int], threads: int) -> float:
     """Makes the table of the wall by .records.toml, and returns the largest force of poses and wall. Refuses a box in which
     the ligand overlaps with the host everywhere."""
     points = (low + spacing * np.argwhere(np.ones(counts[::-1]))[:, ::-1]).round(6).tolist()
     given = [work.version, work.read(".records.toml"), [work.digest(file) for file in work.inputs_of(".records.toml")]]
 
-    def part(begin):
+    def part(begin: int) -> Array:
         of = points[begin:begin + PART]
 
-        def seek():
+        def seek() -> list[float]:
             seeds = f".records.{begin}"
             work.run("seed", ".records.toml", "--set", f"seeds.points={of}", "-o", seeds)
             found = _records(work, seeds)
@@ -148,7 +152,7 @@ def _wall(work, low, spacing, counts, threads):
             np.minimum.at(lowest, at, found["energy"])
             poses = np.linalg.norm(found["force"][found["energy"] <= 0], axis=1)
             return [*lowest.tolist(), float(poses.max(initial=0))]
-        return work.kept.take([*given, begin], seek, lambda kept: np.array([*kept], float).reshape(len(of) + 1))
+        return work.cache.take([*given, begin], seek, lambda kept: np.array([*kept], float).reshape(len(of) + 1))
     found = work.each("seeking the deepest orientation at each point", part, range(0, len(points), PART), threads)
     lowest = np.concatenate([one[:-1] for one in found])
     if lowest.min() > 0:
@@ -163,7 +167,7 @@ def _wall(work, low, spacing, counts, threads):
     return max(*(one[-1] for one in found), FORCE_SCALE * slopes.max(where=lowest.reshape(counts, order="F") > 0, initial=0))
 
 
-def _records(work, grid):
+def _records(work: Work, grid: str) -> Array:
     """All that is known of all records."""
     table = f"{grid if grid[0] == '.' else '.records'}.npy"
     work.run("stats", grid, "--npy", table)
@@ -173,7 +177,7 @@ def _records(work, grid):
         os.remove(work.path(table))
 
 
-def _page(work, name):
+def _page(work: Work, name: str) -> list[str]:
     grid = f"{name}.grid"
     report = json.loads(work.run("stats", grid, "--format", "json")[0])
     origin, spacing = np.array(report["box"]["origin"]), report["box"]["spacing"]
@@ -181,7 +185,7 @@ def _page(work, name):
     records = _records(work, grid)
     points, energy, state, links = records["point"].astype(int), records["energy"], records["state"], records["destination"]
     ends = [origin + spacing * end for end in _way(points, energy, links, counts)]
-    work.write("path.txt", page.way_text(ends, "angstrom", TICKS))
+    work.write("path.txt", page.path_text(ends, "angstrom", TICKS))
     poses = _poses(points, energy, state)
     rows = [(energy[n], *(origin + spacing * points[n]), *state[n]) for n in poses]
     heads = ["energy / (kJ/mol)", "x / angstrom", "y / angstrom", "z / angstrom",
@@ -205,11 +209,11 @@ def _page(work, name):
     return made
 
 
-def _way(points, energy, links, counts):
+def _way(points: Array, energy: Array, links: Array, counts: Array) -> tuple[Array, Array]:
     """(start, end): from the box's edge straight towards the point of the deepest record, as far as the energy falls. Of the
     directions in which the links from the start's first level lead about as deep, it is one that climbs little and falls
     far, and along an axis rather than not, since the grid knows the energy best along its edges."""
-    first = {}
+    first: dict[Any, int] = {}
     for n, point in enumerate(map(tuple, points)):
         first.setdefault(point, n)
     deepest = points[energy.argmin()]
@@ -237,9 +241,9 @@ def _way(points, energy, links, counts):
     return min((way for way in ways if way[0] <= deep + abs(deep) / 4), key=lambda way: way[1])[2:]
 
 
-def _poses(points, energy, state, most=10, apart=1.0):
+def _poses(points: Array, energy: Array, state: Array, most: int = 10, apart: float = 1.0) -> list[int]:
     """Numbers of the deepest records, no two of which are neighbours with about the same orientation."""
-    taken = []
+    taken: list[int] = []
     for n in np.argsort(energy)[:5000]:
         if all(np.abs(points[n] - points[k]).max() > 2 or np.linalg.norm(state[n] - state[k]) > apart for k in taken):
             taken.append(n)

@@ -5,16 +5,29 @@ a path goes on behind its barriers one that leaves the molecule in another minim
 farthest.
 """
 
+from __future__ import annotations
+
 import json
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from hapgrid.apps.common import files
+from hapgrid.apps.common.arrays import Array
+from hapgrid.apps.common.work import Work
 
 from . import geometry, holding
-from .definition import CLEAR, PROBE, RADII, paths_of
+from .definition import CLEAR, PROBE, paths_of
+from .elements import RADII
+from .holding import Hold
+from .results import Path, Result
 from .rotors import label
 from .xtb import BOHR
 
+if TYPE_CHECKING:
+    from .steps import Start
+
+Line: TypeAlias = tuple[Array, Array, int]  # start, end, and the atom that is pushed
 TRIED = 5
 STEP, COARSE_STEP = 0.002, 0.02  # angstrom a tick
 BEYOND = 2.0  # angstrom that the probe follows the atom beyond its way
@@ -23,7 +36,7 @@ STAYS = 0.02  # of a t at the end: the molecule is in another minimum
 PAST = np.array([0.0, 0, 1])  # against the broad side of a molecule that lies on its principal axes
 
 
-def directions(count=150):
+def directions(count: int = 150) -> Array:
     """Even on a sphere (golden spiral)."""
     k = np.arange(count) + 0.5
     z = 1 - 2 * k / count
@@ -32,23 +45,23 @@ def directions(count=150):
     return np.column_stack([r * np.cos(turn), r * np.sin(turn), z])
 
 
-def there_and_back(start, end, step):
+def there_and_back(start: Array, end: Array, step: float) -> Array:
     there = np.linspace(start, end, max(int(np.ceil(np.linalg.norm(end - start) / step)), 2) + 1)
     return np.concatenate([there, there[-2::-1]])
 
 
-def write_way(folder, name, way, title):
+def write_way(folder: Work, name: str, way: Array, title: str) -> None:
     rows = [" ".join(f"{v:.4f}" for v in p) for p in way]
     folder.write(name, "\n".join([f"# {title}", "# x y z of the probe in angstrom, a line a tick", *rows]) + "\n")
 
 
-def read_log(text):
+def read_log(text: str) -> dict[str, Array]:
     """{name: column} of what play --log wrote."""
     head, *rows = text.splitlines()
     return dict(zip(head.lstrip("# ").split("\t"), np.array([row.split("\t") for row in rows], float).T))
 
 
-def lines(x, move, reach, clear, low, high):
+def lines(x: Array, move: Array, reach: Array, clear: float, low: Array, high: Array) -> list[Line]:
     """Lines (start, end, atom) from free places into the molecule, the most promising first. x: atoms; move: where they go;
     reach: how near the probe comes to each; clear: from touching to where a line begins; low, high: corners of the box."""
     length, found = np.linalg.norm(move, axis=1), []
@@ -63,7 +76,7 @@ def lines(x, move, reach, clear, low, high):
             if along >= 0.5 * length[atom] and touches.argmin() == atom and ((low <= start) & (start <= high)).all():
                 end = np.clip(x[atom] + (along + BEYOND - reach[atom]) * u, low, high)
                 found.append((along, u, (start, end, int(atom))))
-    out = []
+    out: list[tuple[Array, Line]] = []
     for _, u, line in sorted(found, key=lambda one: -one[0]):  # different atoms and directions
         if not any(line[2] == other[2] and u @ v > ALIKE for v, other in out):
             out.append((u, line))
@@ -73,8 +86,8 @@ def lines(x, move, reach, clear, low, high):
 OVER, STAYS_THERE = "over {} of its {} barriers", "goes over its barrier, and stays there"
 
 
-def write(start, grid, structures):
-    """Writes the files path-NAME.txt and returns their names. structures: results.Result."""
+def write(start: Start, grid: str, structures: Result) -> list[str]:
+    """Writes the files path-NAME.txt and returns their names."""
     hold = holding.decided(start, structures)
     taken = paths_of(start.folder.path(grid.removesuffix(".grid") + ".toml"))
     if not hold or not taken:
@@ -82,7 +95,7 @@ def write(start, grid, structures):
     return _held(start, grid, structures, hold, taken)
 
 
-def _held(start, grid, structures, hold, taken):
+def _held(start: Start, grid: str, structures: Result, hold: Hold, taken: Sequence[str]) -> list[str]:
     folder, found = start.folder, {f.name: f for f in structures.found}
     what, made = holding.words(start.molecule, hold.atoms), []
     for k, (name, (places, energies)) in enumerate(holding.ways(structures, hold, taken).items()):
@@ -100,7 +113,7 @@ def _held(start, grid, structures, hold, taken):
     return [file for *_, file in sorted(made)]
 
 
-def _saddles(path, energies):
+def _saddles(path: Path, energies: Array) -> list[float]:
     """The t of each barrier of a path: where its energy is higher than at both neighbours. Both ends of one that closes are one
     barrier."""
     last = len(energies) - 1
@@ -109,13 +122,13 @@ def _saddles(path, energies):
     return [(k - path.start) / last for k in tops + [last] * closes]
 
 
-def _crossed(t, at):
+def _crossed(t: Array, at: float) -> bool:
     """Whether t passed a barrier, of which it has one value before and another after."""
     off = (t - at + 0.5) % 1 - 0.5
     return bool(((off[1:] * off[:-1] < 0) & (np.abs(off[1:] - off[:-1]) < 0.3)).any())
 
 
-def _pushed(folder, grid, structures, threads):
+def _pushed(folder: Work, grid: str, structures: Result, threads: int) -> list[str]:
     """Writes the files path-NAME.txt of the paths in a grid, and returns their names: first those that lead over a barrier,
     then that which turns most."""
     found, x = {f.name: f for f in structures.found}, structures.x * BOHR
@@ -124,12 +137,12 @@ def _pushed(folder, grid, structures, threads):
     inside = np.array(box["origin"]), np.array(box["origin"]) + box["spacing"] * (np.array(box["counts"]) - 1)
     taken = paths_of(folder.path(grid.removesuffix(".grid") + ".toml"))
 
-    def towards(move):
+    def towards(move: Array) -> list[Line]:
         return lines(x, move, reach, CLEAR + box["spacing"], *inside)
     tries = [(k, line) for k, name in enumerate(taken) for y in _aims(found[name]) for line in towards(y * BOHR - x)]
     played = folder.each("pushing the molecule to see which way turns it", lambda n: _played(folder, grid, n, *tries[n]),
                          range(len(tries)), threads)
-    best = {}
+    best: dict[str, tuple[Line, str]] = {}
     for (stays, turn), (k, line) in sorted(zip(played, tries), key=lambda one: one[0], reverse=True):
         how = STAYS_THERE if stays else f"goes {min(100 * turn, 100):.0f} % of its way"
         best.setdefault(taken[k], (line, f": {taken[k]} {how}"))
@@ -141,7 +154,7 @@ def _pushed(folder, grid, structures, threads):
     return [f"path-{name}.txt" for name in best]
 
 
-def _played(folder, grid, number, k, line):
+def _played(folder: Work, grid: str, number: int, k: int, line: Line) -> tuple[bool, float]:
     """(whether path k ends elsewhere than it began, how far it goes) on a line. number: of this one among those that are
     played at once."""
     text = f".way-{number}.txt"
@@ -153,7 +166,7 @@ def _played(folder, grid, number, k, line):
         files.remove(folder.path(text))
 
 
-def _aims(path):
+def _aims(path: Path) -> list[Array]:
     """The shapes towards which a path is pushed: the minima behind its barriers, or else its end, which is a barrier."""
     e = [np.inf, *path.energies, np.inf]
     return [x for k, x in enumerate(path.nodes) if e[k] > e[k + 1] <= e[k + 2] and k != path.start] or path.nodes[-1:]

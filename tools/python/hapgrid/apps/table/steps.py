@@ -1,33 +1,36 @@
-"""The course of a table from its file to the page."""
+"""The steps of a table from its file to the page."""
+
+from __future__ import annotations
 
 import math
+from argparse import Namespace
+from collections.abc import Iterable
 
 import numpy as np
+from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import Failed, digest, pieces
 
-from . import page, readers
-from .work import course
+from . import page, readers, units
+from .readers import Table
+from .work import Work, run_steps
 
 MOST_POINTS = 2_200_000  # of a grid whose spacing nobody asked for: 130 along each side
 TICKS = 4000  # of the way there, and as many back: at 1 kHz a few seconds
 
 
-def run(o):
+def run(o: Namespace) -> str:
     """Everything; the line for standard output."""
     next(pieces(o.file), None)  # says why, where it cannot be read
     if o.factor == 0:
         raise Failed("--factor 0 leaves nothing to feel")
-    return course("table", o, lambda work, name: _define(o, work, name), _page)
+    return run_steps("table", o, lambda work, name: _define(o, work, name), _page)
 
 
-def _define(o, work, name):
-    def compute():
+def _define(o: Namespace, work: Work, name: str) -> None:
+    def compute() -> list[str]:
         work.say(f"reading {o.file}")
-        table = readers.read(o.file, o.array)
-        if o.unit is not None:
-            table.energy_unit = o.unit
-        if o.length_unit is not None:
-            table.length_unit = o.length_unit
+        table = readers.read(o.file, o.array, o.origin, o.steps)
+        units.convert(table, o.file, o.unit, o.length_unit)
         for note in table.notes:
             work.say("  " + note)
         work.enter()
@@ -35,13 +38,13 @@ def _define(o, work, name):
         work.write(f"{name}.table", table_text(table))
         work.write(f"{name}.toml", text)
         return [f"{name}.table", f"{name}.toml"]
-    options = [o.force, o.wall, o.factor, o.spacing, o.array, o.unit, o.length_unit]
+    options = [o.force, o.wall, o.factor, o.spacing, o.array, o.unit, o.length_unit, o.origin, o.steps]
     work.step("definition", "", [], [digest(o.file), options], compute)
 
 
-def table_text(table):
+def table_text(table: Table) -> str:
     """The file that the plug-in reads (lattice.hpp says how)."""
-    def row(word, numbers):
+    def row(word: str, numbers: Iterable[float]) -> str:
         return word + "".join(f" {v:.10g}" for v in numbers) + "\n"
     lines = ["hapgrid-table\n", row("counts", table.values.shape), row("origin", table.origin)]
     lines += [row("axis", axis) for axis in table.axes]
@@ -53,7 +56,7 @@ def table_text(table):
     return "".join(lines)
 
 
-def wall_of(o, table):
+def wall_of(o: Namespace, table: Table) -> tuple[float | None, int]:
     """The energy of the wall, or None when none is needed; and how many values become one."""
     values = table.values[~np.isnan(table.values)] * o.factor
     missing = table.values.size - values.size
@@ -69,7 +72,7 @@ def wall_of(o, table):
     return wall, missing + int((values > wall).sum())
 
 
-def box_of(table, spacing):
+def box_of(table: Table, spacing: float | None) -> tuple[Array, float, list[int]]:
     """(origin, spacing, counts) of the grid. A table along the axes is the box, as far as whole cells go;
     around any other one the box is as large as it must be."""
     steps = np.linalg.norm(table.axes, axis=1)
@@ -82,7 +85,7 @@ def box_of(table, spacing):
     straight = (np.abs(table.axes) > 1e-6 * steps[:, None]).sum() == 3
     h = spacing or float(steps.min())
 
-    def counts(h):
+    def counts(h: float) -> list[int]:
         cells = (high - low) / h
         cells = np.floor(cells + 1e-6) if straight else np.ceil(cells - 1e-6)
         return [max(int(c), 1) + 1 for c in cells]
@@ -91,7 +94,7 @@ def box_of(table, spacing):
     return low, h, counts(h)
 
 
-def definition(o, work, name, table):
+def definition(o: Namespace, work: Work, name: str, table: Table) -> str:
     wall, behind = wall_of(o, table)
     low, h, counts = box_of(table, o.spacing)
     energy, length = table.energy_unit, table.length_unit
@@ -130,7 +133,7 @@ max_levels = 1            # a table has one energy at each place
 """
 
 
-def _page(work, name):
+def _page(work: Work, name: str) -> list[str]:
     values = page.Values(work, name)
-    work.write("path.txt", page.way_text(page.way(values), values.length_unit, TICKS))
+    work.write("path.txt", page.path_text(page.line_through_lowest(values), values.length_unit, TICKS))
     return page.write(work, name, values)

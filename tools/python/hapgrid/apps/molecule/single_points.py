@@ -4,6 +4,8 @@ The command is run with the name of an XYZ file after its own words, in a folder
 charge= and unpaired=. The last line that the command prints is the energy in hartree. Structures stay those of xtb.
 """
 
+from __future__ import annotations
+
 import os
 import re
 import shlex
@@ -11,12 +13,15 @@ import tempfile
 from dataclasses import replace
 
 import numpy as np
+from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import Failed, digest
 from hapgrid.apps.common.programs import run_program
-
+from hapgrid.apps.common.work import Cache, Work
 from hapgrid.files import program
 
 from . import files, geometry, single_point_ase, xyz
+from .molecule import Molecule
+from .results import Path, Result
 from .xtb import HARTREE
 
 OURS = "single-point-ase"
@@ -25,9 +30,9 @@ DENT = 1.0  # kJ/mol: a deeper one is a minimum, and the path to a barrier has n
 
 
 class SinglePoints:
-    """text: the command; kept: of a hapgrid.apps.common.work.Work, where results are kept."""
+    """text: the command; cache: of a hapgrid.apps.common.work.Work, where results are kept."""
 
-    def __init__(self, text, molecule, kept):
+    def __init__(self, text: str, molecule: Molecule, cache: Cache) -> None:
         try:
             words = shlex.split(text)
         except ValueError as why:
@@ -38,18 +43,18 @@ class SinglePoints:
         named = program(OURS) if words[0] == OURS else os.path.abspath(words[0]) if "/" in words[0] else words[0]
         self.words = [named, *(os.path.abspath(w) if os.path.isfile(w) else w for w in words[1:])]
         self.method = re.sub(r"[^A-Za-z0-9.+-]+", "_", " ".join([os.path.basename(words[0]), *words[1:]])).strip("_")
-        self.numbers, self.kept = molecule.numbers, kept
+        self.numbers, self.cache = molecule.numbers, cache
         self.title = f"charge={molecule.charge} unpaired={molecule.unpaired}"
         self.key = [words, [digest(w) for w in (*self.words, single_point_ase.__file__) if os.path.isfile(w)]]
 
-    def energy(self, x):
+    def energy(self, x: Array) -> float:
         """Hartree, of positions in bohr. The same shape is computed once."""
         text = files.frame(self.numbers, x, self.title)
-        return self.kept.take(["single point", self.key, text], lambda: self._compute(text), xyz.finite)
+        return self.cache.take(["single point", self.key, text], lambda: self._compute(text), xyz.finite)
 
-    def _compute(self, text):
-        os.makedirs(self.kept.directory, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix=".single-", dir=os.path.abspath(self.kept.directory)) as directory:
+    def _compute(self, text: str) -> float:
+        os.makedirs(self.cache.directory, exist_ok=True)
+        with tempfile.TemporaryDirectory(prefix=".single-", dir=os.path.abspath(self.cache.directory)) as directory:
             with open(os.path.join(directory, "node.xyz"), "w", encoding="utf-8") as file:
                 file.write(text)
             try:
@@ -65,15 +70,15 @@ class SinglePoints:
             raise Failed(f"--single-points: the last line of {self.words[0]} is '{last}', and not an energy in "
                          "hartree") from None
 
-    def put_into(self, result, threads, folder):
+    def put_into(self, result: Result, threads: int, folder: Work) -> None:
         """Puts its own energies into a results.Result in place of xtb's. A path that does not lead from the conformation
         over a barrier by these energies is left out; one that has its highest node before its end, ends there."""
-        shapes = [x for one in result.found for x in (*one.nodes, *([] if one.goes_on else [one.far.x]))]
+        shapes = [x for one in result.found for x in (*one.nodes, *([] if one.goes_on or one.far is None else [one.far.x]))]
         folder.each("energies by " + self.words[0], self.energy, [result.x, *shapes], threads)  # from here on they are kept
         rest = self.energy(result.x)
         for one in result.found:
             own = [rest if k == one.start else self.energy(x) for k, x in enumerate(one.nodes)]
-            if not one.goes_on:
+            if not one.goes_on and one.far is not None:
                 one.far = replace(one.far, energy=self.energy(one.far.x))
             # Nodes that are a little lower than the conformation are left out: it is a minimum, but for the shapes of xtb.
             rises = [(energy - rest) * HARTREE for energy in own]
@@ -87,7 +92,7 @@ class SinglePoints:
         result.found = [one for one in result.found if not faults[one.name]]
         result.dropped += [(name, f"by {self.method} {why}") for name, why in faults.items() if why]
 
-    def _root(self, result):
+    def _root(self, result: Result) -> None:
         """Where a node is much lower than the conformation, that one becomes the conformation, and its path leads both ways
         from there. Hydrogen peroxide is planar by GFN2-xTB, and not by better methods."""
         if not result.found:
@@ -115,7 +120,7 @@ class SinglePoints:
         result.dropped = [(name, why) for name, why in result.dropped if name != back.name]
 
 
-def _fault(one, rest):
+def _fault(one: Path, rest: float) -> str:
     """Why a path cannot be one with its energies, or nothing. One to a barrier is cut off behind its highest node."""
     if not one.goes_on:
         top = int(np.argmax(one.energies))

@@ -6,27 +6,39 @@ with those that were taken before. Where two torsions are both behind a saddle, 
 shape is computed, a single point, by what gave the other energies.
 """
 
-import json
+from __future__ import annotations
 
+import json
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import remove
+from hapgrid.apps.common.work import Work
 
 from . import files, xyz
 from .definition import Definition
+from .results import Result
 from .rotors import label
 from .xtb import BOHR, HARTREE
+
+if TYPE_CHECKING:
+    from .steps import Start
 
 ROTORS = ("path", "atoms", "barrier_kJ_mol", "taken", "why")  # the heads of rotors.tsv
 MISSED = 4.0  # kJ/mol: what the sum may miss
 
 
-def choose(start, result, unwanted):
+def choose(start: Start, result: Result, unwanted: dict[str, str]) -> list[str]:
     """The paths of the grid, the lowest barrier first; rotors.tsv has them all, and why others are not taken. unwanted: paths,
     and why."""
-    o, kept = start.options, start.folder
+    o, folder = start.options, start.folder
     lowest_first = sorted(result.found, key=lambda f: round(f.barrier * HARTREE, 2))  # equal ones as they were found
 
-    def compute():
-        rows, taken, left = [], [], {}
+    def compute() -> list[str]:
+        rows: list[tuple[str, ...]] = []
+        taken: list[str] = []
+        left: dict[str, list[str]] = {}
         for f in lowest_first:
             why = unwanted.get(f.name) or (
                 f"stiffer than the {o.paths} that are taken (--paths)" if len(taken) == o.paths else
@@ -39,21 +51,21 @@ def choose(start, result, unwanted):
         atoms = {name: "-".join(label(result.numbers, a) for a in t.atoms)
                  for t in start.turning for name in (t.name, *t.file_names())}
         table = [ROTORS, *((name, atoms.get(name, "-"), *rest) for name, *rest in rows)]
-        kept.write("rotors.tsv", "".join("\t".join(row) + "\n" for row in table))
-        kept.say("  taken: " + (", ".join(taken) or "no path: the molecule keeps its shape"))
+        folder.write("rotors.tsv", "".join("\t".join(row) + "\n" for row in table))
+        folder.say("  taken: " + (", ".join(taken) or "no path: the molecule keeps its shape"))
         for name, _, is_taken, why in rows:
             if is_taken == "no":
                 left.setdefault(why, []).append(name)
         for why, names in left.items():
-            kept.say(f"  left out: {', '.join(names)}: {why}")
+            folder.say(f"  left out: {', '.join(names)}: {why}")
         return ["rotors.tsv"]
-    kept.step("choice", "choosing the softest paths that are sane together", [*result.files(), "report.tsv"],
-              [o.paths, unwanted, o.beyond, o.single_points], compute)
-    taken = {row["path"] for row in files.rows(kept, "rotors.tsv", ROTORS) if row["taken"] == "yes"}
+    folder.step("choice", "choosing the softest paths that are sane together", [*result.files(), "report.tsv"],
+                [o.paths, unwanted, o.beyond, o.single_points], compute)
+    taken = {row["path"] for row in files.rows(folder, "rotors.tsv", ROTORS) if row["taken"] == "yes"}
     return [f.name for f in lowest_first if f.name in taken]
 
 
-def _fault(start, result, definition):
+def _fault(start: Start, result: Result, definition: Definition) -> str:
     """What speaks against a set of paths, or nothing."""
     folder, name = start.folder, ".choice.toml"
     folder.write(name, definition.text())
@@ -72,9 +84,9 @@ def _fault(start, result, definition):
         remove(folder.path(name))
 
 
-def _missed(start, x, toml, minima):
+def _missed(start: Start, x: Array, toml: str, minima: list[dict[str, Any]]) -> str:
     """What speaks against the energies that the model gives combined minima, or nothing."""
-    method, by = ("single points", start.points) if start.points else ("xtb", start.surface(x))
+    method, by = ("single points" if start.points else "xtb"), start.points or start.surface(x)
     rest = by.energy(x)
     for one in minima:
         energy = (by.energy(shape(start.folder, toml, one["t"]) / BOHR) - rest) * HARTREE
@@ -85,16 +97,16 @@ def _missed(start, x, toml, minima):
     return ""
 
 
-def shape(folder, definition, t):
+def shape(folder: Work, definition: str, t: Sequence[float]) -> Array:
     """The atoms (angstrom) of the model at t."""
     text = folder.run("molecule-check", definition, "--xyz=" + ",".join(map(repr, t))).out
     return xyz.frames_of(text, definition)[0].x
 
 
-def nothing_turns(kept):
+def nothing_turns(folder: Work) -> str:
     """The sentence about a molecule without a path, with the reason of each."""
-    why = {}
-    for row in files.rows(kept, "rotors.tsv", ROTORS):
+    why: dict[str, list[str]] = {}
+    for row in files.rows(folder, "rotors.tsv", ROTORS):
         why.setdefault(row["why"], []).append(row["path"])
     if not why:
         return "NOTHING TURNS in this grid: the molecule has no bond that could"

@@ -8,12 +8,18 @@ reached on both sides before its halves have turned so far against each other th
 direction is driven, too.
 """
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from hapgrid.apps.common.arrays import Array, Shapes
 
 from . import geometry, optimise, path
 from .results import Path
+from .search import Search
+from .torsions import Torsion
 from .xtb import XtbError
 
 LEGS = 6  # in one direction, at most
@@ -22,7 +28,8 @@ LOOSE = 0.3  # of the conformation's own tightness: an alignment below this come
 BACK = "back in the conformation"
 
 
-def drive(search, torsion, sign, apart=None, known=()):
+def drive(search: Search, torsion: Torsion, sign: int, apart: float | None = None,
+          known: Shapes = ()) -> tuple[Path, float | None]:
     """(Path, distance of its nodes) of a torsion in one direction. It ends before a saddle to one of the known minima."""
     way, at = Path([search.x], [search.energy], why=f"{LEGS} saddles are enough"), search.rest
     for _ in range(LEGS):
@@ -49,7 +56,7 @@ def drive(search, torsion, sign, apart=None, known=()):
     return way, apart
 
 
-def whole(search, job):
+def whole(search: Search, job: str) -> Path:
     """The Path of a torsion, both directions as one. Errors: optimise.NoPath, where no minimum is behind a saddle."""
     torsion, _ = search.jobs[job]
     plus, apart = drive(search, torsion, 1)
@@ -74,20 +81,20 @@ def whole(search, job):
     return Path(nodes, minus.energies[:0:-1] + plus.energies, start, dict(sorted(kinds.items())))
 
 
-def _back(circle):
+def _back(circle: Path) -> Path:
     """The same circle in the other direction."""
     last = len(circle.nodes) - 1
     return Path([circle.nodes[0], *circle.nodes[-2::-1]], [circle.energies[0], *circle.energies[-2::-1]], 0,
                 {last - k: kind for k, kind in circle.kinds.items()}, circle.why)
 
 
-def _round(circle):
+def _round(circle: Path) -> tuple[Path, Path]:
     """The two parts of a circle, both to its highest saddle. The model closes such a path, whose ends are one shape."""
     top = max((k for k, kind in circle.kinds.items() if kind == "saddle"), key=lambda k: circle.energies[k])
     return _part(circle, top + 1), _part(_back(circle), len(circle.nodes) - top)
 
 
-def _jump(search, nodes):
+def _jump(search: Search, nodes: Sequence[Array]) -> int | None:
     """The first node at which the alignment with the conformation jumps, or comes loose; None where it never does. Near a shape
     that lies as well on the conformation in two ways, as dichloroethane with both chlorine atoms on one side, a small change of
     shape turns the whole molecule, and the model's minimiser would leap."""
@@ -100,18 +107,18 @@ def _jump(search, nodes):
                  or _tightness(nodes[k], search.x, masses) < LOOSE * tight), None)
 
 
-def _tightness(x, reference, masses):
+def _tightness(x: Array, reference: Array, masses: Array) -> float:
     """How stiff the best alignment is against the turn that changes it least: 0 where there are two best ones."""
     a, b = geometry.centred(x, masses), geometry.centred(reference, masses)
     u, s, vt = np.linalg.svd(a.T @ (masses[:, None] * b))
-    return s[1] + np.sign(np.linalg.det(u @ vt)) * s[2]
+    return float(s[1] + np.sign(np.linalg.det(u @ vt)) * s[2])
 
 
-def _part(way, count):
+def _part(way: Path, count: int) -> Path:
     return Path(way.nodes[:count], way.energies[:count], 0, {k: kind for k, kind in way.kinds.items() if k < count}, way.why)
 
 
-def _before_jump(search, way):
+def _before_jump(search: Search, way: Path) -> Path:
     """A way without what is behind the last saddle before a jump, where there is one."""
     at = _jump(search, way.nodes)
     if at is None:
@@ -120,12 +127,12 @@ def _before_jump(search, way):
     return replace(_part(way, last if way.kinds.get(last) == "saddle" else at), why="the molecule's alignment would jump")
 
 
-def _cut(search, circle):
+def _cut(search: Search, circle: Path) -> tuple[Path, Path]:
     """The two parts of a circle, each from the conformation to a node before one of its saddles."""
     last, back = len(circle.nodes) - 1, _back(circle)
     saddles = sorted((k for k, kind in circle.kinds.items() if kind == "saddle"), key=lambda k: -circle.energies[k])
     if len(saddles) == 1:  # of the same shape once more
         return circle, _part(back, 1)
     parts = [(_part(circle, k), _part(back, last - k)) for k in saddles]
-    smooth = (both for both in parts if all(_jump(search, part.nodes) is None for part in both))
-    return next(smooth, None) or tuple(_before_jump(search, part) for part in parts[0])
+    smooth = [both for both in parts if all(_jump(search, part.nodes) is None for part in both)]
+    return smooth[0] if smooth else (_before_jump(search, parts[0][0]), _before_jump(search, parts[0][1]))

@@ -12,6 +12,8 @@ Where the kernel lacks Landlock the lists remain, which then refuse to open any 
 what its user can. A container or a user namespace would do as much, but many machines allow neither.
 """
 
+from __future__ import annotations
+
 import ctypes
 import errno
 import functools
@@ -27,13 +29,16 @@ import signal
 import sys
 import tempfile
 import threading
+from collections.abc import Callable, Sequence
+from multiprocessing.connection import Connection
+from typing import Any, NoReturn
 
 import numpy as np
 
 from hapgrid.files import FILTERS
 
 from .files import Failed
-from .programs import Ran, end_with_parent, run_program
+from .programs import Ran, Watch, end_with_parent, run_program
 
 MEMORY = 4 << 30  # bytes of address space, with the libraries
 CPU_SECONDS = 120
@@ -68,7 +73,7 @@ class _Argument(ctypes.Structure):
     _fields_ = [("index", ctypes.c_uint), ("how", ctypes.c_int), ("a", ctypes.c_uint64), ("b", ctypes.c_uint64)]
 
 
-def run(function, what, advice="the file is damaged or too complicated"):
+def run(function: Callable[[], Any], what: str, advice: str = "the file is damaged or too complicated") -> Any:
     """function(), whose result is JSON and numpy arrays of doubles, in a child process. what: the file, as messages name it.
     Errors: Failed, also where the process crashes or comes to a limit, when `advice` follows."""
     prepare = _walls(_software(), CPU_SECONDS, 0)
@@ -78,7 +83,11 @@ def run(function, what, advice="the file is damaged or too complicated"):
     child.start()
     its.close()
     late = []
-    too_long = threading.Timer(WAIT_SECONDS, lambda: (late.append(True), child.kill()))
+
+    def stop() -> None:
+        late.append(True)
+        child.kill()
+    too_long = threading.Timer(WAIT_SECONDS, stop)
     too_long.start()
     try:
         answer, ended = _received(ours), False
@@ -92,14 +101,14 @@ def run(function, what, advice="the file is damaged or too complicated"):
     child.join()
     too_long.cancel()
     if answer is None:
-        raise Failed(f"{what}: {_why(-child.exitcode if ended else 0, bool(late))}: {advice}")
+        raise Failed(f"{what}: {_why(-(child.exitcode or 0) if ended else 0, bool(late))}: {advice}")
     kind, value = answer
     if kind == "refused":
         raise Failed(str(value)[:2000])
     return value
 
 
-def _why(number, late):
+def _why(number: int, late: bool) -> str:
     """Why there is no answer. number: of the signal that ended the process."""
     if late or number == signal.SIGXCPU:
         return "reading it takes too long"
@@ -108,11 +117,11 @@ def _why(number, late):
     return "its reader crashed" + (f" ({signal.Signals(number).name})" if number > 0 else "")
 
 
-def _received(pipe):
+def _received(pipe: Connection) -> tuple[str, Any]:
     """("value" or "refused", what it is)"""
     left = MOST_NUMBERS
 
-    def array(found):
+    def array(found: dict[str, Any]) -> Any:
         nonlocal left
         if set(found) != {"array"}:
             return found
@@ -128,7 +137,7 @@ def _received(pipe):
     return kind, value
 
 
-def _answer(function, what, pipe, prepare):
+def _answer(function: Callable[[], Any], what: str, pipe: Connection, prepare: Callable[[], None]) -> NoReturn:
     try:
         nowhere = os.open(os.devnull, os.O_RDWR)
         for standard in (0, 1, 2):
@@ -138,7 +147,7 @@ def _answer(function, what, pipe, prepare):
         os.closerange(pipe.fileno() + 1, os.sysconf("SC_OPEN_MAX"))
         arrays = []
 
-        def array(value):
+        def array(value: Any) -> dict[str, Any]:
             arrays.append(np.asarray(value, float).tobytes())
             return {"array": value.shape}
         try:
@@ -156,7 +165,8 @@ def _answer(function, what, pipe, prepare):
         os._exit(0)
 
 
-def program(words, what, package, given=b"", folder=None, cpu_seconds=CPU_SECONDS, watch=None):
+def program(words: list[str], what: str, package: str, given: bytes = b"", folder: str | None = None,
+            cpu_seconds: int = CPU_SECONDS, watch: Watch | None = None) -> Ran:
     """The Ran of a program of a Debian package. given: its standard input; folder: where it runs and can make files, if any;
     watch: of run_program(). Errors: Failed, where it is not there, and where it comes to a limit."""
     path = shutil.which(words[0])
@@ -170,7 +180,7 @@ def program(words, what, package, given=b"", folder=None, cpu_seconds=CPU_SECOND
         rules[folder] = _READ | _LIST | _WRITE | _MAKE | _TRUNCATE
     prepare = _walls(rules, cpu_seconds, MOST_FILE, folder is not None, ("execve",))
 
-    def watched(seconds):
+    def watched(seconds: float) -> None:
         if seconds > 5 * cpu_seconds:
             raise Failed(f"{what}: {_why(0, True)}")
         if watch:
@@ -185,20 +195,21 @@ def program(words, what, package, given=b"", folder=None, cpu_seconds=CPU_SECOND
     return Ran(texts[0], code, (texts[1].strip().splitlines() or [""])[-1])
 
 
-def _software():
+def _software() -> dict[str, int]:
     """{path: rights}: this Python, its modules, and the libraries that it loads."""
     paths = ["/usr", "/lib", "/lib64", "/etc/ld.so.cache", sys.prefix, sys.base_prefix, *sys.path]
     return {os.path.realpath(path): _READ | _LIST for path in paths if path}
 
 
-def _walls(rules, cpu_seconds, most_file, writes=False, more=()):
+def _walls(rules: dict[str, int], cpu_seconds: int, most_file: int, writes: bool = False,
+           more: Sequence[str] = ()) -> Callable[[], None]:
     """A function that puts the process that calls it behind the walls, for ever. What can fail here fails at once.
     rules: {path: rights of Landlock}; writes: whether it opens files for writing, in folders that the rules name;
     more: calls of the kernel that it has besides."""
     library = _seccomp()
     ruleset = _ruleset(rules)
 
-    def put():
+    def put() -> None:
         end_with_parent()
         for limit, most in ((resource.RLIMIT_AS, MEMORY), (resource.RLIMIT_CPU, cpu_seconds), (resource.RLIMIT_FSIZE, most_file),
                             (resource.RLIMIT_CORE, 0)):
@@ -214,17 +225,17 @@ def _walls(rules, cpu_seconds, most_file, writes=False, more=()):
     return put
 
 
-def _done(result):
+def _done(result: int) -> None:
     if result < 0:
         raise OSError(ctypes.get_errno(), "the walls for a file from outside cannot be put up")
 
 
-def landlock():
+def landlock() -> int:
     """The version of the kernel's interface; 0 where there is none."""
     return max(_libc.syscall(_CREATE_RULESET, None, ctypes.c_size_t(0), _GET_VERSION), 0)
 
 
-def _ruleset(rules):
+def _ruleset(rules: dict[str, int]) -> io.FileIO | None:
     """The file of rules that allow nothing else; None without Landlock."""
     version = landlock()
     if version == 0:
@@ -251,7 +262,7 @@ def _ruleset(rules):
 
 
 @functools.cache
-def _seccomp():
+def _seccomp() -> ctypes.CDLL:
     try:
         own = os.path.join(FILTERS, "../libs/libseccomp.so.2")  # of a wheel
         library = ctypes.CDLL(own if os.path.exists(own) else "libseccomp.so.2")
@@ -263,11 +274,11 @@ def _seccomp():
     return library
 
 
-def _allow_alone(library, writes, more):
+def _allow_alone(library: ctypes.CDLL, writes: bool, more: Sequence[str]) -> None:
     """Other calls fail with EPERM from here on."""
     rules = ctypes.c_void_p(library.seccomp_init(_REFUSE | errno.EPERM))
 
-    def add(name, *arguments, action=_ALLOW):
+    def add(name: str, *arguments: _Argument, action: int = _ALLOW) -> None:
         call = library.seccomp_syscall_resolve_name(name.encode())
         if call == -1:  # this library is older than the call
             return
