@@ -10,6 +10,7 @@
 #include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <system_error>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
@@ -86,9 +87,9 @@ bool is_grid(const std::string& name) {
   std::array<unsigned char, 4> first{};
   // A pipe is not even opened: its writer would take that for its reader.
   struct stat status {};
-  if ((name == "-" ? ::fstat(STDIN_FILENO, &status) : ::stat(name.c_str(), &status)) != 0 ||
-      !S_ISREG(status.st_mode))
-    return false;
+  if ((name == "-" ? ::fstat(STDIN_FILENO, &status) : ::stat(name.c_str(), &status)) != 0)
+    throw std::system_error(errno, std::generic_category(), name);
+  if (!S_ISREG(status.st_mode)) return false;
   const FileDescriptor file(name == "-" ? ::dup(STDIN_FILENO)
                                         : ::open(name.c_str(), O_RDONLY | O_CLOEXEC));
   return file && ::pread(file.get(), first.data(), first.size(), 0) == ssize_t{first.size()} &&

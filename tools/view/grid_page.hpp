@@ -9,6 +9,7 @@
 namespace hapgrid {
 
 /// Whether a file is a shard and no stream of frames; false for what cannot be read at any place.
+/// @throw std::system_error when there is none
 bool is_grid(const std::string& name);
 
 /// @param model_path as model_path() takes it

@@ -128,6 +128,7 @@ def plain(text):
     """Without the times that a run took."""
     text = re.sub(rb'(?s)"(lateness|compute)": {.*\]', rb"", text)  # of a report of play
     text = re.sub(rb"[\d.]+ (ns|\xc2\xb5s|ms|s|min|h)\b", rb"", text)  # of a report of check-model
+    text = re.sub(rb'("\w*seconds_range"): ?\[[^]]*\]', rb"\1", text)
     return re.sub(rb'("\w*seconds"): ?[^,}\n]*', rb"\1", text)
 
 

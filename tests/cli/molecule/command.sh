@@ -158,7 +158,7 @@ PYTHONPATH=$HAPGRID_BUILD/python /usr/bin/python3 - >line 2>log <<'END' || fail 
 import sys
 from hapgrid.apps.molecule import cli, definition
 definition.CLEAR = -2.5
-sys.exit(cli.main(["--smiles", "C#N", "-o", "narrow", "--method", "gfnff", "--spacing", "1"]))
+sys.exit(cli.main(["--push", "--smiles", "C#N", "-o", "narrow", "--method", "gfnff", "--spacing", "1"]))
 END
 grep -q 'pushed as far as a side of the box, which is made wider' log || fail "$(cat log)"
 stats narrow/narrow.grid --npy narrow.npy
@@ -174,7 +174,7 @@ PYTHONPATH=$HAPGRID_BUILD/python /usr/bin/python3 - >line 2>log <<'END' || fail 
 import sys
 from hapgrid.apps.molecule import cli, grids
 grids.LONG = 0
-sys.exit(cli.main(["--smiles", "C#N", "-o", "long", "--method", "gfnff", "--until", "definition"]))
+sys.exit(cli.main(["--push", "--smiles", "C#N", "-o", "long", "--method", "gfnff", "--until", "definition"]))
 END
 [[ $(cat log) =~ "where that is too long: --spacing "([0-9.]+)" has "([0-9]+)" points and takes about " ]] || fail "$(cat log)"
 spacing=${BASH_REMATCH[1]} points=${BASH_REMATCH[2]}

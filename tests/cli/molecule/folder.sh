@@ -7,7 +7,8 @@ feel() { hapgrid molecule --push '<img src=x>.xyz' --method gfnff --spacing 1.2 
 
 # The line that it prints is one for a shell, and no name is a tag of the page or an option of a filter.
 name="-x 'q\" #<b>&amp; \$HOME"
-line=$(feel "./$name") || fail "no grid in $name"
+said=$(feel "./$name") || fail "no grid in $name"
+line=$(tail -n 1 <<<"$said")  # the first says that nothing turns
 eval "words=(${line%% | *})"
 [[ ${words[2]} == "./$name/molecule.grid" && -s ${words[2]} ]] || fail "the grid of: $line"
 [[ ${words[4]} == "path:./$name/path-past.txt" && -s ${words[4]#path:} ]] || fail "the way of: $line"
@@ -21,7 +22,7 @@ feel firstplace >/dev/null
 cp -a firstplace twice
 mv firstplace renamed
 for folder in renamed twice; do
-  expect 0 "~hapgrid play $folder/molecule\.grid --device path:$folder/path-past\.txt .*" '' -- feel "$folder"
+  expect 0 "~NOTHING TURNS .*hapgrid play $folder/molecule\.grid --device path:$folder/path-past\.txt .*" '' -- feel "$folder"
   same "files of $folder" "$before" "$(cd "$folder" && stat -c '%n %Y' -- * | md5sum)"
 done
 if strace -o /dev/null true 2>/dev/null; then  # a file system that has no locks

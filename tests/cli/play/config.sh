@@ -54,7 +54,7 @@ wrong $'[play.safety]\nramb = 1' "--config: line 3: unknown key 'safety.ramb'; d
 cannot='cannot be set by a file, only by the command line'
 for line in 'model-path = ["."]' 'log = "log"' 'report = "report"' 'frames = "frames"' 'sessions = "table"' \
   'device = "keys"' 'grid = "grid"' 'rate = 1' \
-  'duration = 1' 'realtime = "off"' 'traversal = "paper"' 'force = "state"' 'selftest = true' \
+  'duration = 1' 'realtime = "off"' 'traversal = "paper"' 'selftest = true' \
   'config = "model.toml"' 'set = "safety.ramp=1"'; do
   [[ $line == grid* ]] || wrong "$line" "--config: line 2: ${line%% *} $cannot"
   [[ $line != grid* ]] || wrong "$line" "--config: line 2: unknown key 'grid'; .*"
@@ -108,5 +108,5 @@ expect 2 '' "~play: --scale: '-1' is not a number from 0 to 1e\+15 UNITS/M $help
 
 # The help's table, which is also the manual page's, has each key once.
 play --help >help
-same "keys" "10" "$(grep -oE '^  [a-z]+\.[a-z_]+ +[A-Z]' help | cut -d' ' -f3 | sort -u | wc -l)"
+same "keys" "11" "$(grep -oE '^  [a-z]+\.[a-z_]+ +[A-Z]' help | cut -d' ' -f3 | sort -u | wc -l)"
 same "a straight column" "" "$(grep -E '^  [a-z]+\.[a-z_]+ ' help | grep -vE '^.{19} [A-Z]')"

@@ -39,7 +39,7 @@ box("no points", refused="box: a count is 0...", countY=0)
 box("more points than can be", refused="box: more than 4294967295 grid points", countX=4294967295)
 parameter("another radius of the balls", "fidelity", "stable", radius=0.11)
 parameter("another weight", "stored", grid="stored", weight=1.5)
-parameter("another bound of the force", "stored", grid="stored", max_force=0.2)
+parameter("another bound of the force", "stored", "gradient", grid="stored", max_force=0.2)
 parameter("another tolerance of the model", refused="it and the grid differ in tolerance...", tolerance=1e-5)
 parameter("a parameter out of its range", refused="radius...", radius=0.6)
 header("a parameter that the model does not have", refused="unknown parameter...",

@@ -73,7 +73,7 @@ mkdir empty
 see='(see view --help)'
 refuses 'view: none: No such file or directory' -- view none --xyz empty/x
 refuses 'view: standard input: empty, not a stream of frames' -- view --xyz empty/x </dev/null
-refuses 'view: grid: byte 0: .*' -- view grid
+expect 2 '' '~view: grid: is a grid, of which --html alone makes something, .*' -- view grid
 refuses 'view: x.xyz: byte 0: .*' -- view x.xyz
 refuses 'view: empty: Is a directory' -- view empty
 refuses 'view: scene: no frame in it, nothing to draw' -- view scene --png empty/x.png
