@@ -15,6 +15,7 @@ import signal
 import subprocess
 import sys
 import time
+import warnings
 
 part, seed, count = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
 SOURCE, BUILD = os.environ["HAPGRID_SOURCE"], os.environ["HAPGRID_BUILD"]
@@ -138,7 +139,9 @@ def reads(kind, file, made, read, refusals):
         before, why = time.process_time() + children(), ""
         signal.alarm(PATIENCE)
         try:
-            read(file)
+            with warnings.catch_warnings(record=True) as warned:  # a line more
+                warnings.simplefilter("always", RuntimeWarning)
+                read(file)
         except refusals as refusal:
             refused += 1
             text = str(refusal)
@@ -147,6 +150,7 @@ def reads(kind, file, made, read, refusals):
             why = f"{type(wrong).__name__}: {wrong}"
         finally:
             signal.alarm(0)
+        why = why or (f"warns: {warned[0].message}" if warned else "")
         used = time.process_time() + children() - before
         most = max(resource.getrusage(who).ru_maxrss for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
         why = why or (f"{used:.2f} s" if used > SECONDS else f"{most >> 10} MB" if most << 10 > BYTES else "")
@@ -189,21 +193,22 @@ def all_apps():
     from hapgrid.apps.dock import field, maps
     from hapgrid.apps.table import readers
     corpus = f"{SOURCE}/tests/fuzz/corpus"
-    reads("frames in Python", "m.frames", mutants("frames", texts(f"{corpus}/streams/made-frames-*"), count), hapgrid.read, (ValueError, OSError))
+    few = count // 4  # of what takes milliseconds
+    reads("frames in Python", "m.frames", mutants("frames", texts(f"{corpus}/streams/made-frames-*"), few), hapgrid.read, (ValueError, OSError))
     for kind in "map", "dx", "cube", "vti":
-        reads(kind, f"m.{kind}", mutants(kind, texts(f"good*.{kind}"), count), readers.read, Failed)
+        reads(kind, f"m.{kind}", mutants(kind, texts(f"good*.{kind}"), few), readers.read, Failed)
     ligand = [("C", None, 0.0)]
 
     def maps_of(path):
         field.host(path)
         field.read(path, ligand)
-    reads("fld", "m.maps.fld", mutants("fld", texts("good.maps.fld"), count), maps_of, (Failed, OSError))
+    reads("fld", "m.maps.fld", mutants("fld", texts("good.maps.fld"), few), maps_of, (Failed, OSError))
     os.makedirs("room", exist_ok=True)
     work = Work("dock", "room", True)
 
     def docked(path):
         maps.reach(maps.pdbqt(work, path, "ligand", maps.MOST_LIGAND), work.read("ligand.pdbqt"), True)
-    for kind, share in ("pdbqt", 1), ("pqr", 1), ("mol2", 20):
+    for kind, share in ("pdbqt", 4), ("pqr", 4), ("mol2", 20):
         if kind != "mol2" or shutil.which("obabel"):  # a process of its own each time
             reads(f"dock: {kind}", f"m.{kind}", mutants(kind, texts(f"good.{kind}"), count // share), docked, Failed)
     try:
@@ -212,7 +217,7 @@ def all_apps():
         return print(f"molecule: not installed: {why}")
     for kind in "sdf", "xyz", "mol2", "pdb":
         inputs = texts(f"{SOURCE}/tests/cli/molecule/inputs/*.{kind}")
-        reads(f"molecule: {kind}", f"m.{kind}", mutants(f"molecule {kind}", inputs, count // 4), lambda path: reading.read(path, None), Failed)
+        reads(f"molecule: {kind}", f"m.{kind}", mutants(f"molecule {kind}", inputs, few), lambda path: reading.read(path, None), Failed)
 
 
 {"filters": all_filters, "apps": all_apps}[part]()

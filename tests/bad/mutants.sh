@@ -1,4 +1,4 @@
-# Mutants of each kind of input, drawn anew in each run: HAPGRID_MUTANTS of them (2000), from HAPGRID_MUTANTS_SEED if it is set.
+# Mutants of each kind of input, drawn anew in each run: HAPGRID_MUTANTS of them (2000; for Python a quarter), from HAPGRID_MUTANTS_SEED if it is set.
 source "$(dirname "$0")/../cli/lib.sh"
 number=${HAPGRID_MUTANTS:-2000} seed=${HAPGRID_MUTANTS_SEED:-$(od -An -N4 -tu4 /dev/urandom | tr -d ' ')}
 if sanitized; then number=$((number / 20)) SANITIZED=1 && export SANITIZED; fi

@@ -32,8 +32,10 @@ def write_whole(path: str, content: str | bytes) -> None:
 
 
 def pieces(path: str, most: int = MOST_BYTES) -> Iterator[bytes]:
-    """The content of a file from outside, a MiB at a time. Errors: Failed, where it has more than `most` bytes, and where it is
-    a device or a pipe, for which nobody would wait."""
+    """The content of a file from outside, a MiB at a time. Errors: Failed, where it has more than `most` bytes, where it is
+    a device or a pipe, for which nobody would wait, and where another file names it as no file can be named."""
+    if "\0" in path:
+        raise Failed(f"{path}: a file's name has no NUL")
     with open(path, "rb", opener=lambda path, flags: os.open(path, flags | os.O_NONBLOCK | os.O_NOCTTY)) as file:
         status = os.fstat(file.fileno())
         if not stat.S_ISREG(status.st_mode):

@@ -21,6 +21,7 @@ MOST_HOST, MOST_LIGAND = 20_000, 200  # atoms
 MOST_BY_ATOMS = 500  # of a host without maps (ligand.hpp)
 MOST_REMARKS = 2000  # lines
 MOST_BYTES = 64 << 20
+FAR = 1e6  # angstrom or elementary charges: no atom has as much, though eight columns can say 1e308
 MOST_AUTOGRID = 7200  # seconds of CPU time: twenty thousand atoms and the largest maps need minutes
 MOST_CELLS = 126  # of a map along an axis: AutoGrid has no more
 
@@ -103,8 +104,8 @@ def atoms(text: str, given: str) -> Atoms:
                 found.append((line[77:79].strip(), place, float(line[70:76])))
     except ValueError:
         raise Failed(f"{given}: an atom of the PDBQT has no place or charge") from None
-    if any(not kind or not kind.isalnum() or not np.isfinite(place).all() for kind, place, _ in found):
-        raise Failed(f"{given}: an atom of the PDBQT has no type or place")
+    if any(not kind or not kind.isalnum() or not (np.abs([*place, charge]) < FAR).all() for kind, place, charge in found):
+        raise Failed(f"{given}: an atom of the PDBQT has no type, place or charge")
     return found
 
 

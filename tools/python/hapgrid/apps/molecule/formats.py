@@ -236,11 +236,12 @@ def _charge(line: str) -> int:
 def _mol2(text: str, given: Input) -> None:
     for block in re.split(r"^@<TRIPOS>MOLECULE", text, flags=re.M)[1:]:
         mol = _understood(Chem.MolFromMol2Block, f"@<TRIPOS>MOLECULE{block}", given, cleanupSubstructures=False)
-        told = re.findall(r"^\s*(\d+)\s+\d+\s*\ncharge\s+([+-]?\d)\s*$", block, flags=re.M)
+        told = re.findall(r"^[ \t]*(\d+)[ \t]+\d+[ \t]*\ncharge[ \t]+([+-]?\d)[ \t]*$", block, flags=re.M)
         for atom in mol.GetAtoms():  # RDKit's guess takes all hydrogens to be there
             atom.SetFormalCharge(int(dict(told).get(str(atom.GetIdx() + 1), 0)))
             atom.SetNoImplicit(False)
-        dummies = re.findall(r"^(?:\s*\S+){5}\s+(?:LP|DU)\b", block, flags=re.M | re.I)
+        # Words end where spaces begin: where they could end anywhere, a long one would take for ever.
+        dummies = re.findall(r"^[ \t]*(?:\S+[ \t]+){5}(?:LP|DU)\b", block, flags=re.M | re.I)
         if dummies:  # RDKit leaves out the lone pairs
             given.say(f"{len(dummies)} lone pairs or dummy atoms are left out")
             mol = Chem.DeleteSubstructs(mol, Chem.MolFromSmarts("[#0]"))
