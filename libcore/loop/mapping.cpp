@@ -130,7 +130,7 @@ double Mapping::outside_cells(const Vec3& hip) const noexcept {
   Vec3 beyond{0, 0, 0};
   for (int a = 0; a < 3; ++a)
     beyond[a] = std::max({0.0, low_[a] - hip[a], hip[a] - high_[a]}) / spacing_;
-  return std::hypot(beyond[0], beyond[1], beyond[2]);
+  return length_of(beyond);  // std::hypot rounds otherwise in a browser
 }
 
 }  // namespace hapgrid

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -119,10 +118,7 @@ class Responder {
   double speed(const Vec3& hip, double dt) noexcept {
     const double scale = mapping_.scale();
     double speed = 0;
-    if (has_last_hip_ && scale > 0) {
-      const Vec3 way = hip - last_hip_;
-      speed = std::hypot(way[0], way[1], way[2]) / (scale * dt);
-    }
+    if (has_last_hip_ && scale > 0) speed = length_of(hip - last_hip_) / (scale * dt);
     last_hip_ = hip;
     has_last_hip_ = true;
     return std::min(speed, std::numeric_limits<double>::max());
