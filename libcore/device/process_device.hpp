@@ -4,12 +4,12 @@
 // Problem. Most devices with three axes are driven by a closed library of their maker, which must
 // not run in this program, and any driver can make the loop wait. Choice: each tick sends one
 // force, and the next tick reads the one state that answers it. The answer has had a whole period
-// to come, so that reading it does not wait. A late adapter makes the tick late, and the loop counts
-// it as missed. The position that a tick reads was measured after the force of the tick before; the
-// energy tank allows for that tick (TankTerms::delay). There are no queues, and no threads.
-// Alternatives: an adapter that sends at its own rate (positions are fresher, but it must not block
-// when this program stands still, and each adapter would have to get that right); to send and wait
-// in the same tick (fresher by a period, and the loop waits for hardware in every tick).
+// to come, so that reading it does not wait. A late adapter makes the tick late, and the loop
+// counts it as missed. The position that a tick reads was measured after the force of the tick
+// before; the energy tank allows for that tick (TankTerms::delay). There are no queues, and no
+// threads. Alternatives: an adapter that sends at its own rate (positions are fresher, but it must
+// not block when this program stands still, and each adapter would have to get that right); to send
+// and wait in the same tick (fresher by a period, and the loop waits for hardware in every tick).
 //
 // | what                                         | outcome                                   |
 // |----------------------------------------------|-------------------------------------------|

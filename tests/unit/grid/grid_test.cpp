@@ -61,11 +61,9 @@ TEST_CASE("a grid knows each point's records and each record's row, whatever the
     const auto run = [&](const auto& column, std::size_t width) {
       return std::span(column).subspan(cuts[i - 1] * width, (cuts[i] - cuts[i - 1]) * width);
     };
-    builder.add(cuts[i - 1], {run(columns.point, 1),
-                              run(columns.level, 1),
-                              run(columns.generation, 1),
-                              run(columns.rows, 2),
-                              run(columns.links, kDirections)});
+    builder.add(cuts[i - 1],
+                {run(columns.point, 1), run(columns.level, 1), run(columns.generation, 1),
+                 run(columns.rows, 2), run(columns.links, kDirections)});
   }
   const Grid grid = builder.finish();
   REQUIRE(grid.records() == columns.size());
