@@ -28,7 +28,8 @@ def without_others(text: str, given: str, say: Callable[[str], object], has_alte
     else:
         stays = at
     names = {n: lines[n][17:27] if has_alternates else "".join(lines[n].split()[3:6]) for n in stays}
-    waters = {name for n, name in names.items() if (name[:4] if has_alternates else lines[n].split()[3]).strip().upper() in WATERS}
+    waters = {name for n, name in names.items()
+              if (name[:4] if has_alternates else "".join(lines[n].split()[3:4])).strip().upper() in WATERS}
     if waters and waters != set(names.values()):
         say(f"  {given}: {len(waters)} crystal water{'s are' if len(waters) > 1 else ' is'} left out")
         stays = [n for n in stays if names[n] not in waters]
