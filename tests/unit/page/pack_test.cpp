@@ -32,7 +32,7 @@ Grid two_branches(const GridCoordinates& counts, bool exact) {
   spec.spheres.resize(3);
   for (int k = 0; k < 3; ++k) spec.spheres[k].radius = 0.1F + static_cast<float>(k);
   RecordColumns columns;
-  const auto levels = [&](PointIndex p) { return spec.box.coordinates(p)[0] < 3 ? 1 : 2; };
+  const auto levels = [&](PointIndex p) -> Level { return spec.box.coordinates(p)[0] < 3 ? 1 : 2; };
   const Neighbourhood around(spec.box);
   for (PointIndex p = 0; p < spec.box.points(); ++p)
     for (Level level = 0; level < levels(p); ++level) {
