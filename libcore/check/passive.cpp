@@ -157,6 +157,7 @@ void ask(Check& check, const Grid& grid, const NodeEnergies& nodes,
   std::vector<double> places(links.size());
   std::vector<std::string> errors(links.size());
   std::vector<std::unique_ptr<Model>> models;
+  models.reserve(static_cast<std::size_t>(threads));
   for (int t = 0; t < threads; ++t) models.push_back(make_model());
   for_each_with_own(links.size(), models, [&](const std::unique_ptr<Model>& model, std::size_t i) {
     const auto [r, q] = std::pair(links[i].from, links[i].q);

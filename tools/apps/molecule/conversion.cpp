@@ -67,7 +67,7 @@ void Conversion::convert(const double* s, const double* x, const double* d, doub
 
 void Conversion::follow(double* state, const double* x, const double* move, bool last) {
   const std::size_t n = energy_.variables();
-  std::array<double, kMaxVariables> before;
+  std::array<double, kMaxVariables> before{};
   std::copy_n(state, n, before.begin());
   minimiser_.follow(state, x, move, last);
   double farthest = 0;

@@ -33,7 +33,7 @@ Minimiser::Vector Minimiser::within(double radius, const Matrix& b, const Vector
       shift = std::max(4 * shift, 1e-3 * size);
       continue;
     }
-    const Vector p = factors.solve(-g);
+    Vector p = factors.solve(-g);
     const double length = p.norm();
     if (length <= 1.1 * radius) return p;
     const Vector q = factors.matrixL().solve(p);
