@@ -190,13 +190,13 @@ def ninth():
 
 
 def in_use():
-    """The port is looked at before anything else."""
+    """The port is looked at before anything is read."""
     with socket.socket() as other:
         other.bind(("127.0.0.1", 0))
         other.listen()
         port = other.getsockname()[1]
         # libwebsockets loses 72 bytes when it cannot bind.
-        done = subprocess.run(["view", "none", "--imd", "--port", str(port)], capture_output=True, text=True,
+        done = subprocess.run(["view", "/dev/null", "--imd", "--port", str(port)], capture_output=True, text=True,
                               env={**os.environ, "ASAN_OPTIONS": "detect_leaks=0"})
     assert done.returncode == 1 and done.stdout == ""
     assert done.stderr == f"view: cannot listen on port {port} of 127.0.0.1: is another program there?\n", done.stderr
