@@ -1,11 +1,15 @@
-"""single-point-ase CALCULATOR [KEY=VALUE...] FILE.xyz: prints the energy of a molecule in hartree, by ASE.
+r"""single-point-ase CALCULATOR [KEY=VALUE...] FILE.xyz
 
-For `hapgrid molecule --single-points`. CALCULATOR is one of ASE's names, such as psi4, mopac, nwchem or orca. KEY=VALUE
-is given to it as ASE describes it. Charge and unpaired electrons are those that the title of the file gives as charge=
-and unpaired=. Files of the calculator go to the working directory. It needs the Debian package python3-ase and the
-calculator's own program, such as the packages psi4 and mopac.
+Prints the energy of a molecule in hartree, by ASE, for `hapgrid molecule
+--single-points`. CALCULATOR is one of ASE's names, such as psi4, mopac, nwchem
+or orca. KEY=VALUE is given to it as ASE describes it. Charge and unpaired
+electrons are those that the title of the file gives as charge= and unpaired=.
+Files of the calculator go to the working directory. It needs the Debian package
+python3-ase and the calculator's own program, such as the packages psi4 and
+mopac.
 
-  hapgrid molecule --smiles CC -o ethane --single-points 'single-point-ase psi4 method=mp2 basis=cc-pvtz'
+  hapgrid molecule --smiles CC -o ethane \
+    --single-points 'single-point-ase psi4 method=mp2 basis=cc-pvtz'
 """
 from __future__ import annotations
 
