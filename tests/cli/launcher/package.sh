@@ -11,7 +11,7 @@ dpkg-deb -x "$package" there
 usr=$PWD/there/usr
 
 PATH=$usr/bin:/usr/bin:/bin
-unset HAPGRID_MODEL_PATH
+unset HAPGRID_MODEL_PATH HAPGRID_BIN  # the filters beside the launcher, not those of the build
 hapgrid seed "$usr/share/doc/hapgrid/examples/hung-ball/hung-ball.toml" | hapgrid expand --complete -o grid
 expect 0 '' 'verify: fine: 11 checks' -- hapgrid verify grid -o report
 hapgrid play grid --device "path:$usr/share/doc/hapgrid/examples/hung-ball/path-there-and-back.txt" --log log 2>/dev/null
@@ -45,7 +45,7 @@ molecule=(hapgrid molecule)
 if "${molecule[@]}" --help >/dev/null 2>&1 && /usr/bin/python3 -c 'import ctypes
 ctypes.CDLL("libxtb.so.6")' 2>/dev/null; then
   "${molecule[@]}" --smiles C#N -o cyanide --method gfnff --spacing 1.2 --quiet >line 2>said || fail "$(cat said)"
-  grep -q '^hapgrid play cyanide/cyanide\.grid ' line || fail "$(cat line)"
+  grep -q '^NOTHING TURNS ' line && grep -q '^hapgrid play cyanide/cyanide\.grid ' line || fail "$(cat line)"
   expect 0 '~.*' '~verify: fine: .*' -- hapgrid verify cyanide/cyanide.grid --recompute 20
   for file in index.html played.html energy.png force.png cyanide.toml; do [[ -s cyanide/$file ]] || fail "no $file"; done
 else

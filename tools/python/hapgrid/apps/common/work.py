@@ -121,10 +121,11 @@ class Work:
         return shlex.quote(f"./{path}" if path.startswith("-") else path)
 
     def launcher(self) -> str:
-        """The program hapgrid as a shell finds it: by its plain name, or by its path."""
-        mine = os.path.join(self.filters, "hapgrid")
+        """The program hapgrid as a shell finds it: by its plain name, or by its path. It says where it is, since an
+        installation has it in another folder than the filters."""
+        mine = os.environ.get("HAPGRID_LAUNCHER") or os.path.join(self.filters, "hapgrid")
         found = shutil.which("hapgrid")
-        if found and os.path.exists(mine) and os.path.samefile(found, mine):
+        if not os.path.exists(mine) or found and os.path.samefile(found, mine):
             return "hapgrid"
         here, whole = os.path.relpath(mine), os.path.abspath(mine)
         return shlex.quote(here if len(here) < len(whole) else whole)
