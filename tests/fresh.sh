@@ -16,6 +16,8 @@
 #   rest        only where it is asked for: the tests that check-all has beyond check, and those that lacked a package there
 #   clone       as the last one, since it changes how build/ installs: pip installs from the clone itself, where Debian has
 #               scikit-build-core, which is 13 and newer
+#   with:CXX    everything compiles with clang++-16, g++-13 ..., without a warning
+#   build       the folder build/ is taken out of the root; the clone has the same path there, so a build here goes on with it
 #
 # A table comes at the end: seconds, megabytes downloaded and installed from Debian's packages. The output of a step
 # that fails is shown, and the others are done all the same.
@@ -76,8 +78,8 @@ do_pip() {
 # Nothing but the wheel, glibc, libstdc++ and libgcc is in use; from `pip install` to the page it takes a minute at most.
 do_user() {
   local wheel file name begin
+  wheel=$(echo "$PWD"/dist/hapgrid-*-py3-none-manylinux_2_36_x86_64.whl)
   cd ~
-  wheel=$(echo /hapgrid/dist/hapgrid-*-py3-none-manylinux_2_36_x86_64.whl)
   (($(stat -c %s "$wheel") < 15000000)) || { ls -l "$wheel"; exit 1; }
   python3 -m venv --system-site-packages mine
   # shellcheck disable=SC1091  # Python's
@@ -129,6 +131,16 @@ do_check() {
   sed -nE 's|^[0-9]+/[0-9]+ Test: ||; t name; /^not installed:/!d; G; p; d; :name h; d' build/Testing/Temporary/LastTest.log |
     sed -E 'N; s/(.*)\n(.*)/\2: \1/' | tee /lacked
 }
+do_with() {
+  local release=Debug  # which a clang warns about as much
+  [[ $1 != g++-* ]] || release=Release
+  .ci/packages demo build check
+  apt-get install -qq --no-install-recommends "${1/clang++/clang}"
+  cmake --preset check -B /with -D CMAKE_CXX_COMPILER="$1" -D CMAKE_C_COMPILER="$(sed 's/clang++/clang/; s/g++/gcc/' <<<"$1")" \
+    -D CMAKE_BUILD_TYPE=$release -D CMAKE_CXX_FLAGS_DEBUG=-O0 -D HAPGRID_WERROR=ON
+  cmake --build /with --target all check-all
+  rm -r /with
+}
 do_rest() {
   .ci/packages plots check-all
   cmake --preset check >/dev/null  # make build leaves the tests out
@@ -155,7 +167,7 @@ row() {
 case ${1-} in
   --do)
     cd "${0%/tests/fresh.sh}"
-    "do_$2"
+    if [[ $2 == with:* ]]; then do_with "${2#with:}"; else "do_$2"; fi
     exit
     ;;
   --inside)
@@ -181,8 +193,9 @@ trap 'exit 1' HUP INT TERM
 root() {
   mkdir "$work/$1"
   tar -C "$work/$1" --exclude='./dev/*' -xf "$bare"
-  mkdir "$work/$1/hapgrid"
-  git -C "$source" -c safe.directory="$source" archive HEAD | tar -C "$work/$1/hapgrid" -xf -
+  mkdir -p "$work/$1$source"
+  chmod a+x "$work/$1/root"  # the clone may be below it, and not only root reads it
+  git -C "$source" -c safe.directory="$source" archive HEAD | tar -C "$work/$1$source" -xf -
   echo '127.0.0.1 localhost' >"$work/$1/etc/hosts"
   echo force-unsafe-io >"$work/$1/etc/dpkg/dpkg.cfg.d/unsafe-io"  # it may lose what a power cut would lose
 }
@@ -221,23 +234,33 @@ fi
 root day
 try_pip() {
   root other
-  mkdir "$work/other/hapgrid/dist"
-  cp "$source"/dist/*.whl "$work/other/hapgrid/dist"
-  inside other /hapgrid/tests/fresh.sh --inside pip >>"$work/table"
+  mkdir "$work/other$source/dist"
+  cp "$source"/dist/*.whl "$work/other$source/dist"
+  inside other "$source/tests/fresh.sh" --inside pip >>"$work/table"
 }
 for step; do
-  [[ $step != pip ]] || { try_pip; continue; }
-  inside day /hapgrid/tests/fresh.sh --inside "$step" >>"$work/table"
+  case $step in
+    pip)
+      try_pip
+      continue
+      ;;
+    build)
+      rm -rf "$source/build"
+      mv "$work/day$source/build" "$source"
+      continue
+      ;;
+  esac
+  inside day "$source/tests/fresh.sh" --inside "$step" >>"$work/table"
   case $step in
     package)
       root second
-      mkdir "$work/second/hapgrid/build"
-      cp "$work"/day/hapgrid/build/hapgrid_*.deb "$work/second/hapgrid/build"
-      inside second /hapgrid/tests/fresh.sh --inside installed >>"$work/table"
+      mkdir "$work/second$source/build"
+      cp "$work/day$source"/build/hapgrid_*.deb "$work/second$source/build"
+      inside second "$source/tests/fresh.sh" --inside installed >>"$work/table"
       ;;
     wheel)
       mkdir -p "$source/dist"
-      cp "$work"/day/hapgrid/dist/*.whl "$source/dist"
+      cp "$work/day$source"/dist/*.whl "$source/dist"
       try_pip
       ;;
   esac
