@@ -144,8 +144,8 @@ def reads(kind, file, made, read, refusals):
                 read(file)
         except refusals as refusal:
             refused += 1
-            text = str(refusal)
-            why = f"says {text[:300]!r}" if "\n" in text or len(text) > 3000 or "not understood: " in text and "Error" in text else ""
+            text = str(refusal)  # which is shown by its ends where it is long
+            why = f"says {text[:300]!r}" if "\n" in text or "not understood: " in text and "Error" in text else ""
         except BaseException as wrong:  # whatever it is, it is a traceback
             why = f"{type(wrong).__name__}: {wrong}"
         finally:
@@ -182,7 +182,7 @@ def all_filters():
     filters("answers", "answers", mutants("answers", texts(f"{corpus}/process/made-*"), count), [["seed", "process.toml", "--allow-process", "-o", "out"]])
     if not SANITIZED:  # the stand-in for hidapi has no device, which a mutant could harm
         os.environ.update(HAPGRID_STANDIN="none", LD_LIBRARY_PATH=f"{BUILD}/tests/standin")
-        filters("profile", "m.toml", mutants("profile", texts(f"{SOURCE}/examples/devices/*.toml"), count // 4),
+        filters("profile", "m.toml", mutants("profile", texts(f"{SOURCE}/examples/devices/*.toml"), count),
                 [["play", "--device", "hid:m.toml", "--duration", "0.01"]])
 
 
@@ -193,31 +193,30 @@ def all_apps():
     from hapgrid.apps.dock import field, maps
     from hapgrid.apps.table import readers
     corpus = f"{SOURCE}/tests/fuzz/corpus"
-    few = count // 4  # of what takes milliseconds
-    reads("frames in Python", "m.frames", mutants("frames", texts(f"{corpus}/streams/made-frames-*"), few), hapgrid.read, (ValueError, OSError))
+    reads("frames in Python", "m.frames", mutants("frames", texts(f"{corpus}/streams/made-frames-*"), count), hapgrid.read, (ValueError, OSError))
     for kind in "map", "dx", "cube", "vti":
-        reads(kind, f"m.{kind}", mutants(kind, texts(f"good*.{kind}"), few), readers.read, Failed)
+        reads(kind, f"m.{kind}", mutants(kind, texts(f"good*.{kind}"), count), readers.read, Failed)
     ligand = [("C", None, 0.0)]
 
     def maps_of(path):
         field.host(path)
         field.read(path, ligand)
-    reads("fld", "m.maps.fld", mutants("fld", texts("good.maps.fld"), few), maps_of, (Failed, OSError))
+    reads("fld", "m.maps.fld", mutants("fld", texts("good.maps.fld"), count), maps_of, (Failed, OSError))
     os.makedirs("room", exist_ok=True)
     work = Work("dock", "room", True)
 
     def docked(path):
         maps.reach(maps.pdbqt(work, path, "ligand", maps.MOST_LIGAND), work.read("ligand.pdbqt"), True)
-    for kind, share in ("pdbqt", 4), ("pqr", 4), ("mol2", 20):
+    for kind in "pdbqt", "pqr", "mol2":
         if kind != "mol2" or shutil.which("obabel"):  # a process of its own each time
-            reads(f"dock: {kind}", f"m.{kind}", mutants(kind, texts(f"good.{kind}"), count // share), docked, Failed)
+            reads(f"dock: {kind}", f"m.{kind}", mutants(kind, texts(f"good.{kind}"), count), docked, Failed)
     try:
         from hapgrid.apps.molecule import reading
     except ImportError as why:
         return print(f"molecule: not installed: {why}")
     for kind in "sdf", "xyz", "mol2", "pdb":
         inputs = texts(f"{SOURCE}/tests/cli/molecule/inputs/*.{kind}")
-        reads(f"molecule: {kind}", f"m.{kind}", mutants(f"molecule {kind}", inputs, few), lambda path: reading.read(path, None), Failed)
+        reads(f"molecule: {kind}", f"m.{kind}", mutants(f"molecule {kind}", inputs, count), lambda path: reading.read(path, None), Failed)
 
 
 {"filters": all_filters, "apps": all_apps}[part]()

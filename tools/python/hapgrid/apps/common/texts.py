@@ -19,8 +19,10 @@ def _shown(character: str) -> str:
 
 
 def printable_line(text: str) -> str:
-    """The text as one line; a control character is a space, what cannot be seen is a question mark."""
-    return "".join(map(_shown, text))
+    """The text as one line; a control character is a space, what cannot be seen is a question mark. A long one, as with a
+    name of thousands of letters from a stranger's file, is shown by its ends."""
+    line = "".join(map(_shown, text))
+    return line if len(line) <= 2000 else f"{line[:1500]} ... {line[-400:]}"
 
 
 def printable_text(text: str) -> str:
