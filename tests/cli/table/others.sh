@@ -74,6 +74,9 @@ takes unmarked.cube 'C and O would be only 0\.60 angstrom apart if its lengths w
 takes signed.cube reading
 takes density.cube 'these are no energies: their unit is not known'
 same 'unit' '' "$(unit density.cube)"
+sed '1s/.*/a field/; 2s/.*/of numbers/' good.cub >untitled.cube
+takes untitled.cube 'its title does not say what its values are: are they energies in hartree\? .*'
+same 'unit' '' "$(unit untitled.cube)"
 takes orbitals.cube 'orbital 13 of 12, 13' --array 13
 takes fortran.cube reading
 takes field.mrc 'densities, no energies'

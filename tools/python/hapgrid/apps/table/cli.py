@@ -71,8 +71,8 @@ def parser() -> Parser:
     p.add_argument("--origin", type=three, metavar="X,Y,Z", help="place of the first value of a .npy or .npz")
     p.add_argument("--steps", type=three, metavar="X,Y,Z", help="steps between the values of a .npy or .npz along the axes")
     p.add_argument("--unit", type=unit, metavar="UNIT",
-                   help="unit of the energy: values in kcal/mol (.map) or hartree (.cube) are converted to it, others are taken to "
-                   "be in it. FROM:TO converts: kT/e:kJ/mol, with the charge as --factor")
+                   help="unit of the energy: values in kcal/mol (.map) or hartree (a .cube whose title says so) are converted "
+                   "to it, others are taken to be in it. FROM:TO converts: kT/e:kJ/mol, with the charge as --factor")
     p.add_argument("--length-unit", type=unit, metavar="UNIT",
                    help="unit of lengths: angstroms (.map, .cube, .ccp4) are converted to it, others are taken to be in it "
                    "(default: angstrom; for .vti and arrays none)")

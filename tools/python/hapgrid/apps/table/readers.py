@@ -315,8 +315,9 @@ def _cube_energy(title: str, is_orbital: bool, values: Array, notes: list[str]) 
     if values.min() >= 0 and values.min() < 1e-3 * values.max():
         notes.append("no value is below zero, as of a density: their unit is not known, --unit names it")
         return ""
-    notes.append("its title names no unit: the values are taken as hartree")
-    return "hartree"
+    notes.append("its title does not say what its values are: are they energies in hartree? Then give --unit hartree, or "
+                 "--unit hartree:kJ/mol")
+    return ""
 
 
 from . import volumes, vti  # noqa: E402  # they use what stands above
