@@ -92,28 +92,21 @@ struct Frame {
   force @4 :Vector;
   # Newtons, as it was sent to the device.
 
-  rawForce @5 :Vector;
-  # Newtons, as the model gave it, before the safety core; NaN where the model was not asked, since
-  # the output was held at zero.
-
-  energy @6 :Float64;
+  energy @5 :Float64;
   # In energyUnit; NaN where the model has none.
 
-  state @7 :List(Float64);
+  state @6 :List(Float64);
   # The interpolated state, stateSize components.
 
-  levels @8 :List(UInt8);
-  # Eight: the levels in the corners i + 2j + 4k of the cell.
-
-  centres @9 :List(Float32);
+  centres @7 :List(Float32);
   # Of the scene's spheres, x y z by sphere.
 
-  jumps @10 :UInt64;
+  jumps @8 :UInt64;
   # In how many ticks the state has jumped, because the play began or the model snaps there.
 
-  ownEnergy @11 :Float64 = nan;
+  ownEnergy @9 :Float64 = nan;
   # In energyUnit, of the model by itself, without the HIP; NaN where the model does not tell it.
 
-  hand @12 :Vector;
+  hand @10 :Vector;
   # Where the hand is that pulls the HIP by a spring (a mouse, a finger); left out where the HIP is the hand itself.
 }

@@ -1,10 +1,9 @@
 # The stream format of hapgrid's shards. A shard is one section, or several concatenated ones. A section
 # is a sequence of zstd frames, each with its content checksum; each zstd frame holds one Cap'n Proto
 # message with the root Message: a header, any number of chunks, and a footer, which is their index.
-# Behind the footer stands a skippable zstd frame (magic 0x184D2A5E, 16 bytes): two little-endian
-# UInt64, the size of the footer's zstd frame and the XXH3-64 (seed 0) of its bytes. So a reader goes
-# straight from the end of a file to the index and to what it needs. A section without this end is
-# truncated. A grid is one section; requests come in any number of them.
+# Behind the footer stands a skippable zstd frame (magic 0x184D2A5E, 8 bytes): a little-endian UInt64,
+# the size of the footer's zstd frame. So a reader goes straight from the end of a file to the index
+# and to what it needs. A section without this end is truncated. A grid is one section; requests come in any number of them.
 #
 #   zstd -dc x.grid | capnp decode schemas/shard.capnp Message
 #

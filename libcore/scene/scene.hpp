@@ -41,8 +41,6 @@ struct Snapshot {
   Vec3 position{};       ///< the HIP held in the box, to which state, energy and force belong
   Vec3 hand = kNowhere;  ///< that pulls the HIP by a spring; NaN without one
   Vec3 force{};          ///< newtons, as sent
-  Vec3 raw_force{};      ///< newtons, before the safety core; NaN if it was not computed
-  std::array<std::uint8_t, 8> levels{};  ///< in the corners i + 2j + 4k of the cell
   std::uint64_t jumps = 0;  ///< ticks in which the state jumped, because it started or snapped
   std::vector<double> row;  ///< the state; then the grid's stored values, which no stream has
 };

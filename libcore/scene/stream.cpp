@@ -122,12 +122,10 @@ void decode_frame(scene_schema::Frame::Reader in, const Scene& scene, Frame& fra
   frame.hand = in.hasHand() ? get_vector(in.getHand()) : kNowhere;
   frame.position = get_vector(in.getPosition());
   frame.force = get_vector(in.getForce());
-  frame.raw_force = get_vector(in.getRawForce());
   frame.energy = in.getEnergy();
   frame.row.resize(scene.state_size);
   frame.centres.resize(3 * scene.spheres.size());
   get_list(in.getState(), frame.row.size(), "state", frame.row);
-  get_list(in.getLevels(), frame.levels.size(), "levels", frame.levels);
   get_list(in.getCentres(), frame.centres.size(), "centres", frame.centres);
   frame.jumps = in.getJumps();
   frame.own_energy = in.getOwnEnergy();
@@ -177,10 +175,8 @@ std::span<const std::byte> SceneEncoder::encode(const Frame& frame, std::size_t 
     if (finite(frame.hand)) set_vector(out.initHand(), frame.hand);
     set_vector(out.initPosition(), frame.position);
     set_vector(out.initForce(), frame.force);
-    set_vector(out.initRawForce(), frame.raw_force);
     out.setEnergy(frame.energy);
     out.setState(kj::arrayPtr(frame.row.data(), state_size));
-    out.setLevels(kj::arrayPtr(frame.levels.data(), frame.levels.size()));
     out.setCentres(kj::arrayPtr(frame.centres.data(), frame.centres.size()));
     out.setJumps(frame.jumps);
     out.setOwnEnergy(frame.own_energy);

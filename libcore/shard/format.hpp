@@ -2,6 +2,7 @@
 // search works with. Only the sources of this folder see Cap'n Proto.
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -41,6 +42,17 @@ struct SectionFooter {
   std::vector<ChunkInfo> chunks;
   Digest digest;
 };
+
+/// The last bytes of a section, as they are in memory: they say where its footer is, so that a
+/// reader of a file goes straight to it. A skippable zstd frame, which `zstd -d` passes over.
+struct Locator {
+  std::uint32_t magic = 0x184D2A5E;
+  std::uint32_t size = sizeof(std::uint64_t);
+  std::uint64_t footer = 0;  ///< bytes of its zstd frame, which ends where the locator starts
+
+  bool is_valid() const { return magic == Locator{}.magic && size == Locator{}.size; }
+};
+static_assert(sizeof(Locator) == 16 && std::endian::native == std::endian::little);
 
 /// The digest of a section, from that of its header's message and those of its chunks.
 Digest section_digest(const Digest& header, std::span<const ChunkInfo> chunks);

@@ -1,13 +1,10 @@
 #include "libcore/shard/section.hpp"
 
 #include <algorithm>
-#include <array>
-#include <optional>
 #include <span>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/zstd_frame.hpp"
-#include "libcore/shard/locator.hpp"
 #include "libcore/shard/schema.hpp"
 
 namespace hapgrid {
@@ -32,8 +29,7 @@ class BackwardReader {
   explicit BackwardReader(std::shared_ptr<const InputFile> file) : file_(std::move(file)) {
     if (file_->size() == 0) throw FormatError(format("{}: empty, not a shard", file_->name()));
     if (starts_with_zstd_frame(*file_)) return;
-    fail_compressed();
-    fail(0, "not a shard: no zstd frame");
+    fail(0, "not a shard: no zstd frame (or unpack it, if it was compressed)");
   }
 
   /// The section that ends at `end`.
@@ -61,27 +57,17 @@ class BackwardReader {
     throw FormatError(format("{}: {}", at(*file_, offset), what));
   }
 
-  /// Throws where the file is a shard, or anything else, that was compressed as a whole.
-  void fail_compressed() const {
-    if (const std::string by = outer_compression(*file_); !by.empty())
-      fail(0,
-           format("this is {}, not a shard: unpack it first. Shards are compressed already", by));
-  }
-
   /// Answers where the footer starts.
   std::uint64_t read_footer(std::uint64_t end, SectionFooter& footer) {
-    std::array<std::byte, kLocatorBytes> bytes;
-    std::optional<Locator> locator;
-    if (end >= kLocatorBytes && file_->read(end - kLocatorBytes, bytes) == kLocatorBytes)
-      locator = decode_locator(bytes);
-    if (!locator && end == file_->size()) fail_compressed();
-    if (!locator) fail(end, "truncated: a shard ends with an index");
-    const std::uint64_t footer_end = end - kLocatorBytes;
-    if (locator->size > footer_end) fail(footer_end, "damaged: the footer is not in the file");
-    const std::uint64_t offset = footer_end - locator->size;
-    decode(offset, locator->size, [&](schema::Message::Reader message) {
-      if (hash_of(stored_) != locator->hash)
-        throw FormatError("damaged: the footer does not fit its hash");
+    Locator locator;
+    const auto bytes = std::as_writable_bytes(std::span(&locator, 1));
+    if (end < bytes.size() || file_->read(end - bytes.size(), bytes) != bytes.size() ||
+        !locator.is_valid())
+      fail(end, "truncated: a shard ends with an index (or unpack it, if it was compressed)");
+    const std::uint64_t footer_end = end - bytes.size();
+    if (locator.footer > footer_end) fail(footer_end, "damaged: the footer is not in the file");
+    const std::uint64_t offset = footer_end - locator.footer;
+    decode(offset, locator.footer, [&](schema::Message::Reader message) {
       if (!message.isFooter()) throw FormatError("damaged: no footer where there must be one");
       footer = decode_footer(message.getFooter());
     });

@@ -7,7 +7,6 @@
 
 #include "libcore/base/file.hpp"
 #include "libcore/base/zstd_frame.hpp"
-#include "libcore/shard/locator.hpp"
 #include "libcore/shard/schema.hpp"
 
 namespace hapgrid {
@@ -254,7 +253,8 @@ void SectionWriter::finish() {
   const auto frame = encoder_->write(words, [&](schema::Message::Builder message) {
     encode_footer(footer_, message.initFooter());
   });
-  encoder_->put(encode_locator({frame.size(), hash_of(frame)}));
+  const Locator locator{.footer = frame.size()};
+  encoder_->put(std::as_bytes(std::span(&locator, 1)));
   encoder_->drain();
 }
 

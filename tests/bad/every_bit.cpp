@@ -221,8 +221,7 @@ std::vector<std::string> read_frames(const std::string& name) {
     for (Frame frame; reader.next(frame);) {
       Content content;
       content.add_all(frame.tick, frame.time_s, frame.hip, frame.position, frame.force,
-                      frame.raw_force, frame.levels, frame.row, frame.energy, frame.own_energy,
-                      frame.centres);
+                      frame.row, frame.energy, frame.own_energy, frame.centres);
       parts.push_back(content.bytes());
     }
   } catch (const FormatError&) {

@@ -14,7 +14,7 @@
 
 #include "libcore/base/digest.hpp"
 #include "libcore/base/zstd_frame.hpp"
-#include "libcore/shard/locator.hpp"
+#include "libcore/shard/format.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 namespace hapgrid::fuzz {
@@ -62,10 +62,12 @@ inline Parts take_apart(std::span<const std::byte> file) {
   Parts parts;
   bool goes_on = false;  // the last section has no footer yet
   while (!file.empty()) {
-    if (goes_on && file.size() >= kLocatorBytes && decode_locator(file.first<kLocatorBytes>())) {
+    Locator locator{.magic = 0};
+    if (file.size() >= sizeof locator) std::memcpy(&locator, file.data(), sizeof locator);
+    if (goes_on && locator.is_valid()) {
       parts.sections.back().has_footer = true;
       goes_on = false;
-      file = file.subspan(kLocatorBytes);
+      file = file.subspan(sizeof locator);
       continue;
     }
     const std::size_t size = zstd_frame_size(file);
@@ -92,8 +94,9 @@ inline std::vector<std::byte> put_together(Parts parts, FitFooter fit) {
       before.push_back({file.size(), frame.size(), digest_of(bytes_of(message))});
       file.insert(file.end(), frame.begin(), frame.end());
       if (!is_footer) continue;
-      const auto locator = encode_locator({frame.size(), hash_of(frame)});
-      file.insert(file.end(), locator.begin(), locator.end());
+      const Locator locator{.footer = frame.size()};
+      const auto end = std::as_bytes(std::span(&locator, 1));
+      file.insert(file.end(), end.begin(), end.end());
     }
   }
   file.insert(file.end(), parts.tail.begin(), parts.tail.end());

@@ -43,8 +43,6 @@ void fill(Snapshot& snapshot, const Tick& tick, double rate_hz) noexcept {
   snapshot.hand = tick.hand;
   snapshot.position = tick.traversal.position();
   snapshot.force = tick.force.force;
-  snapshot.raw_force = tick.raw_force;
-  snapshot.levels = tick.traversal.levels();
   snapshot.jumps = tick.traversal.jumps();
   const auto row = tick.traversal.row();
   std::copy(row.begin(), row.end(), snapshot.row.begin());

@@ -33,7 +33,7 @@ for kind, (whole, commands) in READERS.items():
         later_refused("%s: bytes behind" % kind, command, whole + b"\n", no_index)
         later_refused("%s: bytes before" % kind, command, b"\n" + whole, "not a shard: no zstd frame")
         later_refused("%s: zeros behind" % kind, command, whole + bytes(4096), no_index)
-        later_refused("%s: locator twice" % kind, command, whole + whole[-24:], "damaged|truncated")
+        later_refused("%s: locator twice" % kind, command, whole + whole[-16:], "damaged|truncated")
         later_refused("%s: skippable frame" % kind, command, struct.pack("<II", 0x184D2A50, 4) + b"text" + whole, "not a shard: no zstd frame")
         later_refused("%s: a zstd frame for all" % kind, command, shard.joined([shard.frame(shard.decompress(whole))]), "bytes behind the message")
         later_refused("%s: two messages in a zstd frame" % kind, command,

@@ -37,8 +37,7 @@ void offer(FramePublisher& publisher, std::uint64_t tick) {
   const auto t = static_cast<double>(tick);
   s.tick = tick;
   s.time_s = t / 1000;
-  s.hip = s.position = s.force = s.raw_force = {t, t, t};
-  s.levels.fill(static_cast<std::uint8_t>(tick));
+  s.hip = s.position = s.force = {t, t, t};
   s.row[0] = s.row[1] = s.row[2] = t;
   publisher.publish();
 }
@@ -61,7 +60,6 @@ std::vector<Frame> read_all(const std::string& file) {
     const auto t = static_cast<double>(frame.tick);
     CHECK(frame.hip == Vec3{t, t, t});
     CHECK(frame.force == Vec3{t, t, t});
-    CHECK(frame.levels[7] == static_cast<std::uint8_t>(frame.tick));
     CHECK(frame.row == std::vector<double>{t, t});
     CHECK(frame.energy == 2 * t);
     CHECK(frame.centres[8] == static_cast<float>(frame.tick % 1000));

@@ -39,8 +39,6 @@ inline Frame small_frame(std::uint64_t tick) {
   frame.hip = {t, -1e300, std::numeric_limits<double>::infinity()};
   frame.position = {0.5, -2, 3};
   frame.force = {0, 0, -t / 3};
-  frame.raw_force = {0, 0, -t};
-  frame.levels = {0, 1, 2, 3, 253, 5, 6, 7};
   frame.jumps = tick / 2;
   frame.row = {t, 0.1};
   frame.energy = t == 0 ? std::numeric_limits<double>::quiet_NaN() : -t;

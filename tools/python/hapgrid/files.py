@@ -35,7 +35,7 @@ def read(path: str | os.PathLike[str], grid: str | os.PathLike[str] | None = Non
 
         "ticks"    of a session: t, hip, force (the model's), sent, levels, flags, lateness_us, compute_us; of a text log:
                    t, hip, force, sent, levels, state and, where the model has them, energy and own_energy
-        "frames"   t, tick, hip, position (in the box), sent, force, energy, state, levels, shape, jumps, own_energy,
+        "frames"   t, tick, hip, position (in the box), sent, energy, state, shape, jumps, own_energy,
                    hand (that pulls the HIP by a spring; NaN without one)
 
     A session has neither states nor energies. With `grid`, the file of the grid that was played, play replays the

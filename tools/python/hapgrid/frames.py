@@ -11,7 +11,7 @@ Struct: TypeAlias = tuple[int, int, int, int]  # segment, first byte, bytes of d
 MAGIC = 0x6861706772696466.to_bytes(8, "little")  # "hapgridf"
 NAN = 0x7FF8000000000000  # own_energy is coded as its difference to this default
 MOST_SEGMENTS = 512  # of a message, as Cap'n Proto has it
-BYTES = {2: "u1", 4: "<f4", 5: "<f8"}  # the kinds of lists that frames have
+BYTES = {4: "<f4", 5: "<f8"}  # the kinds of lists that frames have
 
 
 def read_frames(path: str, data: bytes) -> Any:
@@ -29,8 +29,8 @@ def read_frames(path: str, data: bytes) -> Any:
         raise ValueError(f"{path}: damaged frames, in frame {len(frames)}") from None
     states, centres = (len(frames[0][name]) if frames else 0 for name in ("state", "shape"))
     array = numpy.zeros(len(frames), [
-        ("t", float), ("tick", "u8"), ("hip", float, 3), ("position", float, 3), ("sent", float, 3), ("force", float, 3),
-        ("energy", float), ("state", float, (states,)), ("levels", "u1", 8), ("shape", "f4", (centres // 3, 3)),
+        ("t", float), ("tick", "u8"), ("hip", float, 3), ("position", float, 3), ("sent", float, 3),
+        ("energy", float), ("state", float, (states,)), ("shape", "f4", (centres // 3, 3)),
         ("jumps", "u8"), ("own_energy", float), ("hand", float, 3)])
     for row, frame in zip(array, frames):
         for name in array.dtype.names or ():
@@ -52,9 +52,9 @@ def _frame(message: _Message, at: Struct) -> dict[str, Any]:
         return numpy.uint64(message.number(at, offset, 8) ^ default).view(float)
 
     return {"t": double(0), "tick": message.number(at, 8, 8), "hip": vector(0), "position": vector(1), "sent": vector(2),
-            "force": vector(3), "energy": double(16), "state": message.list(*message.pointer_of(at, 4)),
-            "levels": message.list(*message.pointer_of(at, 5)), "shape": message.list(*message.pointer_of(at, 6)),
-            "jumps": message.number(at, 24, 8), "own_energy": double(32, NAN), "hand": vector(7)}
+            "energy": double(16), "state": message.list(*message.pointer_of(at, 3)),
+            "shape": message.list(*message.pointer_of(at, 4)),
+            "jumps": message.number(at, 24, 8), "own_energy": double(32, NAN), "hand": vector(5)}
 
 
 class _Message:
