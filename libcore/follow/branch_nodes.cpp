@@ -24,7 +24,11 @@ BranchNodes::BranchNodes(const Grid& grid) : grid_(grid), row_size_(grid.spec().
     i = end;
   }
   mixed_.resize(grid.records());
-  for (RecordIndex r = 0; r < grid.records(); ++r) mixed_[r] = find_mixed(r);
+  has_one_branch_.resize(grid.records());
+  for (RecordIndex r = 0; r < grid.records(); ++r) {
+    mixed_[r] = find_mixed(r);
+    has_one_branch_[r] = one_way_[r] == 0 && mixed_[r] == 0;
+  }
 }
 
 /// All one-way links, ascending by the point to which they lead, and then by record.

@@ -60,7 +60,7 @@ class BranchNodes {
   }
   /// Whether no branch ends in the cells around record r, and none of them is mixed.
   bool has_one_branch_around(RecordIndex r) const noexcept {
-    return one_way_[r] == 0 && mixed_[r] == 0;
+    return has_one_branch_[r];
   }
   /// Whether the cell in which record r is corner `corner` is mixed: two other records of the
   /// branch in this cell are not of one branch themselves.
@@ -103,6 +103,7 @@ class BranchNodes {
   std::vector<std::uint32_t> first_link_;      // by record: the number of its first one-way link
   std::vector<Node> ghost_of_;                 // by number of a one-way link
   std::vector<std::uint8_t> mixed_;            // by record: bit c, of the cell where it is corner c
+  std::vector<bool> has_one_branch_;           // by record, so small that it stays in a cache
   std::vector<OneWayLink> ghost_links_;        // by ghost
   std::vector<std::uint32_t> ghost_first_{0};  // in ghost_links_
   std::vector<double> ghost_rows_;             // ghosts x row_size

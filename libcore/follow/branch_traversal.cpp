@@ -168,16 +168,10 @@ bool BranchTraversal::cross(const CellWalk::Part& way) noexcept {
     common.moved |= (d[a] != 0) << a;
     common.side |= (d[a] > 0) << a;
   }
-  // Around most records there is one branch: then any common corner will do, and nothing changes in
-  // the others.
   const int beside = (anchor_ & ~common.moved) | (common.side & common.moved);
+  if (!is_torn_ && !is_mixed_ && branches_->has_one_branch_around(nodes_[beside]))
+    return cross_on_one_branch(way, beside, common);
   Branch next;
-  if (!is_torn_ && !is_mixed_ && branches_->has_one_branch_around(nodes_[beside])) {
-    if (!derive(way.base, nodes_[beside], beside ^ common.moved, next)) return false;
-    enter_branch(next);
-    count_switch(way);
-    return true;
-  }
   // On the common face, edge or vertex.
   const Vec3 part = walk_.part_of_cell(walk_.nearest_in_cell(way.to));
   const int from = common_record(common, part);
@@ -205,6 +199,33 @@ bool BranchTraversal::cross(const CellWalk::Part& way) noexcept {
   for (int k = 0; k < 8; ++k)
     if (common.has(k)) after[k] = rows_[k ^ common.moved];
   if (after != before) keep_state(before, corner_weights(part), after);
+  return true;
+}
+
+/// Around most records there is one branch: then any common corner will do as the anchor, and what
+/// the cells have in common stays.
+bool BranchTraversal::cross_on_one_branch(const CellWalk::Part& way, int beside,
+                                          const Common& common) noexcept {
+  const Cells& cells = walk_.cells();
+  const auto links = grid_.links(nodes_[beside]);
+  const int anchor = cells.distinct(beside ^ common.moved);
+  std::array<Node, 8> nodes;
+  std::array<const double*, 8> rows;
+  for (int k = 0; k < 8; ++k) {
+    const int before = k ^ common.moved;
+    nodes[k] = nodes_[before];
+    rows[k] = rows_[before];
+    if (common.has(before)) continue;
+    nodes[k] = cells.destination(links, kBetweenCorners[anchor][cells.distinct(k)], way.base, k);
+    if (nodes[k] == BranchNodes::kNoNode) return false;
+    rows[k] = grid_.row(nodes[k]).data();
+    __builtin_prefetch(rows[k]);
+    __builtin_prefetch(rows[k] + row_.size() - 1);
+  }
+  anchor_ = anchor;
+  nodes_ = nodes;
+  rows_ = rows;
+  count_switch(way);
   return true;
 }
 

@@ -70,6 +70,7 @@ class BranchTraversal final : public Traversal {
   void evaluate() noexcept;
   bool derive(PointIndex base, RecordIndex anchor, int corner, Branch& branch) const noexcept;
   void enter_branch(const Branch& branch) noexcept;
+  bool cross_on_one_branch(const CellWalk::Part& way, int beside, const Common& common) noexcept;
   bool cross_by_snap(PointIndex base, int to, const Common& common) noexcept;
   int common_record(const Common& common, const Vec3& part) const noexcept;
   bool decide_by_grid() noexcept;
