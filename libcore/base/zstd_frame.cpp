@@ -5,6 +5,7 @@
 #include <array>
 #include <cstring>
 #include <new>
+#include <string_view>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
@@ -29,7 +30,43 @@ auto* context_of_thread() {
 
 constexpr unsigned char kMagic[] = {0x28, 0xB5, 0x2F, 0xFD};
 
+/// Whether the content of the zstd frame that a file begins with begins with a zstd frame.
+bool is_zstd_in_zstd(std::span<const std::byte> start) {
+  ZSTD_DCtx* const zstd = context_of_thread<ZSTD_createDCtx, ZSTD_freeDCtx>();
+  ZSTD_DCtx_reset(zstd, ZSTD_reset_session_only);
+  std::array<std::byte, sizeof kMagic> content{};
+  ZSTD_inBuffer in{start.data(), start.size(), 0};
+  ZSTD_outBuffer out{content.data(), content.size(), 0};
+  while (out.pos < out.size && in.pos < in.size) {
+    const std::size_t before = in.pos + out.pos;
+    if (ZSTD_isError(ZSTD_decompressStream(zstd, &out, &in)) || in.pos + out.pos == before) break;
+  }
+  ZSTD_DCtx_reset(zstd, ZSTD_reset_session_only);
+  return out.pos == out.size && std::memcmp(content.data(), kMagic, sizeof kMagic) == 0;
+}
+
 }  // namespace
+
+const char* outer_compression(const InputFile& file) {
+  struct Kind {
+    const char* name;
+    std::string_view magic;
+  };
+  using namespace std::string_view_literals;
+  static constexpr Kind kKinds[] = {{"gzip", "\x1f\x8b"sv},
+                                    {"bzip2", "BZh"sv},
+                                    {"xz",
+                                     "\xfd"
+                                     "7zX"sv},
+                                    {"zip", "PK\3\4"sv},
+                                    {"lz4", "\x04\x22\x4d\x18"sv}};
+  std::vector<std::byte> start(std::size_t{1} << 18);  // a block of zstd, and its header
+  start.resize(file.read(0, start));
+  const std::string_view text(reinterpret_cast<const char*>(start.data()), start.size());
+  for (const Kind& kind : kKinds)
+    if (text.starts_with(kind.magic)) return kind.name;
+  return is_zstd_in_zstd(start) ? "zstd" : "";
+}
 
 bool starts_with_zstd_frame(const InputFile& file) {
   std::array<std::byte, sizeof kMagic> start{};

@@ -13,6 +13,9 @@ class InputFile;
 
 /// Whether a file begins with what every zstd frame begins with.
 bool starts_with_zstd_frame(const InputFile& file);
+/// What a file was compressed by that holds zstd frames, or something else: "gzip". Empty where it
+/// begins with none of the common kinds, and where it begins with zstd frames that hold none.
+const char* outer_compression(const InputFile& file);
 /// Bytes of the zstd frame that `bytes` starts with; 0 when none is there as a whole.
 std::size_t zstd_frame_size(std::span<const std::byte> bytes);
 /// The most bytes that a zstd frame with `content` bytes can have.

@@ -29,7 +29,8 @@ class BackwardReader {
   explicit BackwardReader(std::shared_ptr<const InputFile> file) : file_(std::move(file)) {
     if (file_->size() == 0) throw FormatError(format("{}: empty, not a shard", file_->name()));
     if (starts_with_zstd_frame(*file_)) return;
-    fail(0, "not a shard: no zstd frame (or unpack it, if it was compressed)");
+    fail_compressed();
+    fail(0, "not a shard: no zstd frame");
   }
 
   /// The section that ends at `end`.
@@ -57,13 +58,22 @@ class BackwardReader {
     throw FormatError(format("{}: {}", at(*file_, offset), what));
   }
 
+  /// Throws where the file is a shard, or anything else, that was compressed as a whole.
+  void fail_compressed() const {
+    if (const std::string by = outer_compression(*file_); !by.empty())
+      fail(0,
+           format("this is {}, not a shard: unpack it first. Shards are compressed already", by));
+  }
+
   /// Answers where the footer starts.
   std::uint64_t read_footer(std::uint64_t end, SectionFooter& footer) {
     Locator locator;
     const auto bytes = std::as_writable_bytes(std::span(&locator, 1));
     if (end < bytes.size() || file_->read(end - bytes.size(), bytes) != bytes.size() ||
-        !locator.is_valid())
-      fail(end, "truncated: a shard ends with an index (or unpack it, if it was compressed)");
+        !locator.is_valid()) {
+      if (end == file_->size()) fail_compressed();
+      fail(end, "truncated: a shard ends with an index");
+    }
     const std::uint64_t footer_end = end - bytes.size();
     if (locator.footer > footer_end) fail(footer_end, "damaged: the footer is not in the file");
     const std::uint64_t offset = footer_end - locator.footer;
