@@ -9,7 +9,7 @@
 #include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/check/report.hpp"
-#include "libcore/shard/load.hpp"
+#include "libcore/shard/reader.hpp"
 #include "tools/common/inputs.hpp"
 #include "tools/common/models.hpp"
 #include "tools/common/tool.hpp"

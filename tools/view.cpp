@@ -17,13 +17,13 @@
 #include "libcore/base/text.hpp"
 #include "libcore/scene/render.hpp"
 #include "libcore/scene/stream.hpp"
-#include "libcore/scene/trajectory.hpp"
 #include "tools/common/inputs.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/view/grid_page.hpp"
 #include "tools/view/imd.hpp"
 #include "tools/view/page/page.hpp"
 #include "tools/view/terminal.hpp"
+#include "tools/view/trajectory.hpp"
 #include "tools/view/web.hpp"
 
 using namespace hapgrid;

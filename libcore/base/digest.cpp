@@ -14,8 +14,4 @@ Digest digest_of(std::span<const std::byte> bytes) {
   return {hash.low64, hash.high64};
 }
 
-std::uint64_t hash_of(std::span<const std::byte> bytes) {
-  return XXH3_64bits(bytes.data(), bytes.size());
-}
-
 }  // namespace hapgrid

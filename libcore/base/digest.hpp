@@ -15,7 +15,4 @@ struct Digest {
 };
 Digest digest_of(std::span<const std::byte> bytes);
 
-/// XXH3-64.
-std::uint64_t hash_of(std::span<const std::byte> bytes);
-
 }  // namespace hapgrid

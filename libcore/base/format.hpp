@@ -7,8 +7,7 @@
 
 namespace hapgrid {
 
-/// As fmt::vformat(). fmt itself is compiled in format.cpp alone, since it takes the compiler
-/// seconds.
+/// As fmt::vformat(). fmt takes long to compile, and so is compiled in format.cpp alone.
 std::string vformat(fmt::string_view text, fmt::format_args args);
 
 /// As fmt::format(): format("{}: {} of {} records", name, done, all). The compiler checks the text.

@@ -25,4 +25,16 @@ bool nests_too_deep(std::string_view json) {
 
 nlohmann::json parse_json(std::string_view text) { return nlohmann::json::parse(text); }
 
+namespace {
+
+std::string dump(const nlohmann::ordered_json& json, int indent) {
+  return json.dump(indent, ' ', /*ensure_ascii=*/true,
+                   nlohmann::ordered_json::error_handler_t::replace);
+}
+
+}  // namespace
+
+std::string json_text(const nlohmann::ordered_json& json) { return dump(json, 2) + "\n"; }
+std::string json_line(const nlohmann::ordered_json& json) { return dump(json, -1); }
+
 }  // namespace hapgrid

@@ -18,14 +18,12 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
+#include "libcore/base/zstd_frame.hpp"
 
 namespace hapgrid {
 
 static_assert(std::endian::native == std::endian::little,
               "columns are copied as they are in memory, and Cap'n Proto is little-endian");
-
-/// A message with its segment table, aligned as Cap'n Proto wants it.
-using MessageWords = std::vector<std::uint64_t>;
 
 /// @param what it is, for the message @throw FormatError when it is longer than `limit` bytes
 inline std::string get_text(capnp::Text::Reader in, std::size_t limit, const char* what) {

@@ -51,15 +51,4 @@ Result sum_of(std::vector<Result>&& results) {
   return sum;
 }
 
-/// Cuts [0, count) into blocks, calls work(begin, end) for each, in threads, and joins the results
-/// in ascending order, whatever the number of threads.
-template <class Result, class Work>
-Result sum_of_blocks(std::uint64_t count, std::uint64_t block, int threads, const Work& work) {
-  std::vector<Result> results((count + block - 1) / block);
-  for_each_in_threads(results.size(), threads, [&](std::size_t b) {
-    results[b] = work(b * block, std::min(count, (b + 1) * block));
-  });
-  return sum_of(std::move(results));
-}
-
 }  // namespace hapgrid

@@ -96,7 +96,7 @@ std::span<const std::byte> ZstdFrameEncoder::encode(std::span<const std::byte> c
 }
 
 void ZstdFrameDecoder::decode(std::span<const std::byte> frame, std::uint64_t limit,
-                              std::vector<std::uint64_t>& words) const {
+                              MessageWords& words) const {
   if (frame.empty() || zstd_frame_size(frame) != frame.size())
     throw FormatError("damaged: a zstd frame is cut");
   const unsigned long long size = ZSTD_getFrameContentSize(frame.data(), frame.size());

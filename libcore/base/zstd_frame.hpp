@@ -11,6 +11,9 @@ namespace hapgrid {
 
 class InputFile;
 
+/// A message of Cap'n Proto with its segment table, aligned as it wants it.
+using MessageWords = std::vector<std::uint64_t>;
+
 /// Whether a file begins with what every zstd frame begins with.
 bool starts_with_zstd_frame(const InputFile& file);
 /// What a file was compressed by that holds zstd frames, or something else: "gzip". Empty where it
@@ -49,8 +52,7 @@ class ZstdFrameDecoder {
   /// @param limit bytes of content that are possible here; a larger claim is refused before any
   /// memory is taken for it.
   /// @throw FormatError (without the file's name) when the zstd frame is damaged or too large.
-  void decode(std::span<const std::byte> frame, std::uint64_t limit,
-              std::vector<std::uint64_t>& words) const;
+  void decode(std::span<const std::byte> frame, std::uint64_t limit, MessageWords& words) const;
 
  private:
   const char* kind_;

@@ -29,7 +29,8 @@ constexpr double kStoredTolerance = 1e-6;
 
 // Of the spacing: a step that makes C look for a minimum, and that hardly any state snaps in.
 constexpr double kNudge = 1e-6;
-// Of the distance by which a state was pushed: farther away than that it has fallen.
+// Of the distance by which a state was pushed. One that comes back ends at 0, and where friction
+// holds it at 1; one that ends far beyond has fallen into another basin.
 constexpr double kFallen = 3;
 
 /// Whether the link in direction q of a record can be compared.

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "libcore/check/report.hpp"
-#include "libcore/follow/node_energies.hpp"
+#include "libcore/follow/node_force.hpp"
 #include "libcore/grid/grid.hpp"
 #include "libcore/model/model.hpp"
 

@@ -8,9 +8,11 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "libcore/check/report.hpp"
+#include "libcore/follow/branch_nodes.hpp"
 #include "libcore/grid/grid.hpp"
 #include "libcore/model/model.hpp"
 
@@ -51,5 +53,19 @@ Check check_reachable(const Grid& grid, const std::vector<std::uint32_t>& distan
 /// `reachable` only.
 /// @param distances find_distances() of the grid
 Check check_generations(const Grid& grid, const std::vector<std::uint32_t>& distances);
+
+// Whether the state jumps while the hand moves.
+
+/// `continuous`: in every cell around every record, the branch of this record has a node in all
+/// corners. The rule that stays on a branch (follow/branch_traversal.hpp) then always has a state
+/// to go on with, and this state jumps nowhere but at a snap. Counts the cells around all records.
+/// Figures: in how many of them a branch ends (`torn`), how many are `mixed`
+/// (BranchNodes::is_mixed()), and how many `ghosts` there are.
+Check check_continuous(const Grid& grid, const BranchNodes& branches);
+
+/// Refuses a grid that cannot be played as a whole, and says what to do about it.
+/// @param name of the grid, for messages.
+/// @throw Error when a check of `complete`, `coverage`, `links` or `finite` has an offender
+void require_playable(const Grid& grid, const std::string& name);
 
 }  // namespace hapgrid

@@ -19,7 +19,7 @@
 
 #include "libcore/check/report.hpp"
 #include "libcore/follow/branch_nodes.hpp"
-#include "libcore/follow/node_energies.hpp"
+#include "libcore/follow/node_force.hpp"
 #include "libcore/grid/grid.hpp"
 #include "libcore/model/model.hpp"
 

@@ -30,13 +30,45 @@
 #include <string>
 #include <vector>
 
+#include "libcore/base/random.hpp"
 #include "libcore/check/fidelity.hpp"
 #include "libcore/check/report.hpp"
 #include "libcore/follow/traversal.hpp"
+#include "libcore/grid/box.hpp"
 #include "libcore/grid/grid.hpp"
 #include "libcore/model/fields.hpp"
 
 namespace hapgrid {
+
+// A hand that moves at random: it goes straight for a while, turns, and is reflected at the sides
+// of the box.
+
+class RandomHand {
+ public:
+  /// @param box outlives the hand. @param steps that it makes in a leg, from one place to the next:
+  /// half a spacing or less.
+  RandomHand(const Box& box, std::uint64_t seed, int steps)
+      : box_(box), random_(seed), steps_(steps) {}
+
+  /// To any point of the grid.
+  PointIndex jump();
+  const Vec3& at() const { return at_; }
+  void put(const Vec3& x) { at_ = x; }
+  /// Before each leg: may turn.
+  void set_out();
+  void step();
+
+ private:
+  void turn();
+
+  const Box& box_;
+  SplitMix64 random_;
+  int steps_;
+  Vec3 at_{0, 0, 0};
+  Vec3 towards_{0, 0, 0};
+  double length_ = 0;       // of a step
+  std::uint64_t left_ = 0;  // legs before it turns
+};
 
 /// The number of places in a walk. They are at most half a spacing apart; the hand turns after some
 /// of them.
@@ -49,9 +81,8 @@ inline constexpr int kStepsToPlace = 4;
 struct PlayError {
   double state = 0;
   double force = 0;  ///< 0 where there is none
-  /// The same errors with twice the spacing; NaN where the branch does not have all points for it.
+  /// The first one with twice the spacing; NaN where the branch does not have all points for it.
   double coarse_state = 0;
-  double coarse_force = 0;
 };
 
 struct Walked {

@@ -16,6 +16,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "libcore/base/child.hpp"
 #include "libcore/device/guard_words.hpp"
 #include "libcore/device/process_protocol.h"
 
@@ -25,11 +26,6 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
 namespace {
-
-int milliseconds_until(Clock::time_point deadline) noexcept {
-  const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
-  return static_cast<int>(std::max<std::int64_t>(left.count(), 0));
-}
 
 /// Reads answers until the one to the last force. @return false when it does not come in time, or
 /// nobody is left who could send it
@@ -137,21 +133,6 @@ bool release(const std::vector<std::string>& command) noexcept {
   } catch (const std::bad_alloc&) {
   }
   return false;
-}
-
-std::vector<char*> argument_list(std::vector<std::string>& words) {
-  std::vector<char*> arguments;
-  arguments.reserve(words.size() + 1);
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  return arguments;
-}
-
-void restore_signals() noexcept {
-  for (int signal = 1; signal < NSIG; ++signal) ::signal(signal, SIG_DFL);
-  sigset_t none;
-  ::sigemptyset(&none);
-  ::sigprocmask(SIG_SETMASK, &none, nullptr);
 }
 
 }  // namespace hapgrid

@@ -79,10 +79,4 @@ bool let_go(int wire, Family& family,
 /// @return whether it exited with 0
 bool release(const std::vector<std::string>& command) noexcept;
 
-/// The arguments for execvp(), which point into `words`.
-std::vector<char*> argument_list(std::vector<std::string>& words);
-
-/// In a child before exec: signals as every program has them.
-void restore_signals() noexcept;
-
 }  // namespace hapgrid

@@ -76,4 +76,15 @@ std::vector<PathTick> read_path(const std::string& file) {
   return parse_path(read_text(file, kMaxBytes), file == "-" ? "standard input" : file);
 }
 
+DeviceStatus ReplayDevice::read(DeviceInput& input) noexcept {
+  if (next_ == ticks_.size()) return DeviceStatus::kEnd;
+  input = ticks_[next_++];
+  return DeviceStatus::kOk;
+}
+
+DeviceStatus ReplayDevice::send(const Vec3& force) noexcept {
+  force_ = force;
+  return DeviceStatus::kOk;
+}
+
 }  // namespace hapgrid

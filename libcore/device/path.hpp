@@ -1,11 +1,14 @@
 // Positions as a text.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "libcore/device/device.hpp"
 #include "libcore/grid/vec3.hpp"
 
 namespace hapgrid {
@@ -31,5 +34,32 @@ std::vector<PathTick> parse_path(std::string_view text, const std::string& name)
 
 /// Of a whole file, "-" for standard input. @throw Error; std::system_error
 std::vector<PathTick> read_path(const std::string& file);
+
+// A device that does what a list says, tick by tick: what a hand did, or the positions of a path.
+
+/// Each read() gives the next input, however late it comes. Of a recorded play, its
+/// DeviceInput::missed tells the ticks that were missed before it, so that the loop does what it
+/// did then. It has no force.
+class ReplayDevice : public Device {
+ public:
+  explicit ReplayDevice(std::vector<DeviceInput> ticks, std::string name = "replay")
+      : ticks_(std::move(ticks)), name_(std::move(name)) {}
+
+  std::size_t size() const { return ticks_.size(); }
+  /// The force that was sent last.
+  const Vec3& force() const { return force_; }
+
+  DeviceInfo info() const override { return {.name = name_}; }
+  DeviceStatus read(DeviceInput& input) noexcept override;
+  DeviceStatus send(const Vec3& force) noexcept override;
+  DeviceStatus stop() noexcept override { return send({0, 0, 0}); }
+  std::string error() const override { return "a " + name_ + " does not fail"; }
+
+ private:
+  std::vector<DeviceInput> ticks_;
+  std::string name_;
+  std::size_t next_ = 0;
+  Vec3 force_{0, 0, 0};
+};
 
 }  // namespace hapgrid

@@ -14,6 +14,7 @@
 #include <thread>
 #include <utility>
 
+#include "libcore/base/child.hpp"
 #include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
 #include "libcore/device/guard_words.hpp"
@@ -72,11 +73,8 @@ std::string receive(int socket, std::chrono::milliseconds patience) noexcept {
   const auto deadline = std::chrono::steady_clock::now() + patience;
   char text[512];
   for (;;) {
-    const auto left =
-        std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
-    if (left <= 0ms) return "";
     pollfd ready{socket, POLLIN, 0};
-    const int polled = ::poll(&ready, 1, static_cast<int>(left.count()));
+    const int polled = ::poll(&ready, 1, milliseconds_until(deadline));
     if (polled < 0 && errno == EINTR) continue;
     if (polled <= 0) return "";
     const ssize_t got = ::recv(socket, text, sizeof text, MSG_DONTWAIT);

@@ -8,7 +8,7 @@
 
 #include <cstdint>
 
-#include "libcore/follow/node_energies.hpp"
+#include "libcore/follow/node_force.hpp"
 #include "libcore/grid/grid.hpp"
 
 namespace hapgrid {

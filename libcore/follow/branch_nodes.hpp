@@ -59,9 +59,7 @@ class BranchNodes {
            std::all_of(mixed_.begin(), mixed_.end(), [](std::uint8_t cells) { return cells == 0; });
   }
   /// Whether no branch ends in the cells around record r, and none of them is mixed.
-  bool has_one_branch_around(RecordIndex r) const noexcept {
-    return has_one_branch_[r];
-  }
+  bool has_one_branch_around(RecordIndex r) const noexcept { return has_one_branch_[r]; }
   /// Whether the cell in which record r is corner `corner` is mixed: two other records of the
   /// branch in this cell are not of one branch themselves.
   bool is_mixed(RecordIndex r, int corner) const noexcept { return mixed_[r] >> corner & 1; }

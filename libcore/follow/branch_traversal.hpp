@@ -34,7 +34,6 @@
 
 #include "libcore/follow/beside_answer.hpp"
 #include "libcore/follow/branch_nodes.hpp"
-#include "libcore/follow/fading_offset.hpp"
 #include "libcore/follow/traversal.hpp"
 
 namespace hapgrid {

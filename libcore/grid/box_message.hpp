@@ -2,6 +2,8 @@
 // Cap'n Proto's, which only the folders with streams include.
 #pragma once
 
+#include <cmath>
+
 #include "libcore/base/error.hpp"
 #include "libcore/grid/box.hpp"
 #include "libcore/grid/spec.hpp"
@@ -42,10 +44,15 @@ void set_sphere(Builder out, const Sphere& sphere) {
   out.setBlue(sphere.colour[2]);
 }
 
-/// Not checked: radius and colour may be any numbers, and the label may be long.
+/// @throw FormatError when it cannot be
 template <class Reader>
 Sphere get_sphere(Reader in) {
-  return {in.getRadius(), {in.getRed(), in.getGreen(), in.getBlue()}, in.getLabel()};
+  const Sphere sphere{in.getRadius(), {in.getRed(), in.getGreen(), in.getBlue()}, in.getLabel()};
+  const auto& [red, green, blue] = sphere.colour;
+  if (!std::isfinite(red + green + blue) || !(sphere.radius >= 0) ||
+      !std::isfinite(sphere.radius) || sphere.label.size() > kMaxLabelSize)
+    throw FormatError("a sphere whose radius, colour or label is impossible");
+  return sphere;
 }
 
 }  // namespace hapgrid

@@ -1,21 +1,63 @@
 // A whole grid in memory, read-only: the array X[x, l] of the paper (Sect. 2.2).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "libcore/grid/link_table.hpp"
+#include "libcore/base/mutex.hpp"
+#include "libcore/grid/direction.hpp"
 #include "libcore/grid/spec.hpp"
 
 namespace hapgrid {
 
+/// The links of a record. Half a cache line.
+struct alignas(32) Links {
+  std::array<Level, kDirections> level;  ///< the destination level in each direction
+  /// Directions whose link may lead to a record.
+  DirectionMask usable = 0;
+
+  friend bool operator==(const Links&, const Links&) = default;
+};
+
+/// @param levels 26 @param inside the directions that stay in the box
+Links make_links(const Level* levels, DirectionMask inside);
+
+/// Distinct Links, numbered in the order in which they came: most records of a grid have the same
+/// links as their neighbours.
+class LinkTable {
+ public:
+  /// The number of an entry that equals `links`, which is added if there is none.
+  std::uint32_t add(const Links& links);
+  const Links& operator[](std::uint32_t number) const { return entries_[number]; }
+  std::size_t size() const { return entries_.size(); }
+  /// Frees what only add() needs.
+  void finish();
+
+ private:
+  void grow();
+
+  std::vector<Links> entries_;
+  std::vector<std::uint32_t> slots_;  // open addressing: number + 1, or 0; a power of two
+  std::uint32_t last_ = 0;
+};
+
 /// The position of a record in a Grid; records ascend by (point, level).
 using RecordIndex = std::uint32_t;
 
-/// Records in columns, ascending by (point, level).
-/// Shapes, for R records: `rows` R x spec.row_size() row-major (a record's row, its state first, is
-/// contiguous), `links` R x 26 row-major, slot q is the destination level in direction q.
+/// R records in columns, ascending by (point, level), where somebody else keeps them: `rows` R x
+/// spec.row_size() row-major (a record's row, its state first, is contiguous), `links` R x 26
+/// row-major, slot q is the destination level in direction q.
+struct RecordRun {
+  std::span<const PointIndex> point;
+  std::span<const Level> level;
+  std::span<const std::uint32_t> generation;
+  std::span<const double> rows;
+  std::span<const Level> links;
+};
+
+/// The same where they are kept.
 struct RecordColumns {
   std::vector<PointIndex> point;
   std::vector<Level> level;
@@ -24,21 +66,21 @@ struct RecordColumns {
   std::vector<Level> links;
 
   std::size_t size() const { return point.size(); }
+  operator RecordRun() const { return {point, level, generation, rows, links}; }
 };
 
 /// The levels of a point are contiguous records. A record takes 16 bytes beside its row: its point,
 /// its generation, which of the distinct links it has, and where its point's records begin.
-/// GridBuilder (grid_builder.hpp) makes a grid from runs of records. It checks what makes access
-/// safe: each point is in the box, records ascend, and the levels of a point are 0, 1, 2, ... Links
-/// are *not* trusted: destination() returns kNoRecord for a link that leads nowhere, and verify
-/// reports it.
+/// GridBuilder checks what makes access safe: each point is in the box, records ascend, and the
+/// levels of a point are 0, 1, 2, ... Links are *not* trusted: destination() returns kNoRecord for
+/// a link that leads nowhere, and verify reports it.
 class Grid {
  public:
   static constexpr RecordIndex kNoRecord = ~RecordIndex{0};
 
   /// @param generation the round that wrote the grid: records of this generation are the frontier.
   /// @throw FormatError when the records are not a grid's.
-  Grid(GridSpec spec, std::uint32_t generation, const RecordColumns& columns);
+  Grid(GridSpec spec, std::uint32_t generation, const RecordRun& records);
 
   const GridSpec& spec() const { return spec_; }
   const Box& box() const { return spec_.box; }
@@ -102,6 +144,35 @@ class Grid {
   std::vector<std::uint32_t> links_of_;  // numbers in table_
   LinkTable table_;
   std::vector<RecordIndex> first_;  // points + 1
+};
+
+/// The one rule for how many records a box has, before memory is taken for its points: a header can
+/// claim any number of these in a few bytes. A grid of more than 2^24 points must have a record at
+/// least at one in a thousand; a finished grid has one at each.
+/// @throw FormatError when there are too few records, or too many for a RecordIndex
+void require_possible(const Box& box, std::uint64_t records);
+
+/// Makes a grid from runs of records, so that no second copy of all records is in memory.
+class GridBuilder {
+ public:
+  /// @param generation the round that wrote the grid. @param records how many there will be.
+  GridBuilder(GridSpec spec, std::uint32_t generation, std::uint64_t records);
+
+  /// Sets the records from record `first` on. Runs come in any order, and several threads may add
+  /// different runs at once. @throw FormatError when a run does not fit the grid.
+  void add(std::uint64_t first, const RecordRun& run);
+  /// The grid; this object is empty then.
+  /// @throw FormatError when the records are not a grid's, or far too few.
+  Grid finish();
+
+ private:
+  /// Sets the links of `count` records from record `first` on, whose points are set.
+  void add_links(std::uint64_t first, std::size_t count, const Level* links);
+
+  Grid grid_;
+  std::vector<Level> level_;  // by record, to be checked
+  std::uint64_t added_ = 0;   // records
+  Mutex mutex_;               // of added_ and of the grid's table of links
 };
 
 }  // namespace hapgrid

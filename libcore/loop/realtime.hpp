@@ -5,8 +5,12 @@
 
 #include <sched.h>
 
+#include <atomic>
 #include <chrono>
+#include <cstdint>
+#include <functional>
 #include <string>
+#include <thread>
 
 #include "libcore/base/file.hpp"
 #include "libcore/device/device.hpp"
@@ -63,5 +67,13 @@ class Realtime {
   FileDescriptor awake_;  // the wish holds as long as it is open
   std::string got_;
 };
+
+// Watches the haptic loop from another thread. A force function that never returns would leave the
+// hand with the last force.
+
+/// Calls `hung` once, in the thread that is returned, when `heartbeat` has not changed for
+/// `patience`. The thread's destructor ends the watch.
+std::jthread start_watchdog(const std::atomic<std::uint64_t>& heartbeat,
+                            std::chrono::milliseconds patience, std::function<void()> hung);
 
 }  // namespace hapgrid

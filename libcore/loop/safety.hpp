@@ -7,8 +7,8 @@
 //   |F| <= limits.max_force, always;
 //   |F - F of the tick before| <= slew min(dt, slew_dt), unless F is a zero that a fault demands:
 //   so the loop keeps the slew limit in wall time (loop.hpp);
-//   the energy that the hand got back <= what the hand has put in + what the ramp granted
-//   + 2 mW while it holds a weakened force + limits.reserve + 0.03 mJ.
+//   energy that the hand got back <= what it has put in + what the ramp granted
+//   + 2 mW for the time in which it holds a weakened force + limits.reserve + 0.03 mJ.
 //
 // What the third promise assumes: the hand's acceleration, the encoder and the delay are those of
 // the limits, and no tick is missed; forces that do what the model's energy loses come late by what

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
+#include "libcore/base/child.hpp"
 #include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
-#include "libcore/base/memory_use.hpp"
 
 namespace hapgrid {
 

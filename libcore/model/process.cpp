@@ -1,6 +1,7 @@
 #include "libcore/model/process.hpp"
 
 #include <fcntl.h>
+#include <linux/close_range.h>
 #include <poll.h>
 #include <pthread.h>
 #include <signal.h>
@@ -12,19 +13,124 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <system_error>
 #include <thread>
 #include <utility>
 
+#include "libcore/base/child.hpp"
 #include "libcore/base/error.hpp"
-#include "libcore/base/family.hpp"
 #include "libcore/base/format.hpp"
-#include "libcore/base/memory_use.hpp"
 #include "libcore/base/signals.hpp"
 #include "libcore/base/text.hpp"
 
 namespace hapgrid {
+
+namespace {
+
+constexpr int kStandardStreams = 3;
+
+[[noreturn]] void fail_by_errno(const std::string& what = "a model process") {
+  throw std::system_error(errno, std::generic_category(), what);
+}
+
+struct Pipe {
+  FileDescriptor read, write;
+  Pipe() {
+    int ends[2];
+    if (::pipe2(ends, O_CLOEXEC) != 0) fail_by_errno();
+    read = FileDescriptor(ends[0]);
+    write = FileDescriptor(ends[1]);
+    // Where this program was started without standard streams, the pipe has got their numbers, and
+    // the child would overwrite it.
+    for (FileDescriptor* end : {&read, &write})
+      if (end->get() < kStandardStreams) {
+        *end = FileDescriptor(::fcntl(end->get(), F_DUPFD_CLOEXEC, kStandardStreams));
+        if (!*end) fail_by_errno();
+      }
+  }
+};
+
+/// What the child does between vfork and exec, where only calls that are safe in a signal handler
+/// are allowed, and all memory is this program's. Writes errno to `failed` when it cannot become
+/// the program.
+[[noreturn]] void become(const char* file, char* const* arguments, const char* directory,
+                         const int (&streams)[kStandardStreams], int failed, pid_t parent) {
+  begin_child(parent);
+  // A signal that this program was told to ignore (nohup) stays ignored, but not SIGPIPE.
+  ::signal(SIGPIPE, SIG_DFL);
+  sigset_t none;
+  ::sigemptyset(&none);
+  ::pthread_sigmask(SIG_SETMASK, &none, nullptr);
+  bool is_ready = *directory == '\0' || ::chdir(directory) == 0;
+  for (int fd = 0; fd < kStandardStreams; ++fd) is_ready = is_ready && ::dup2(streams[fd], fd) >= 0;
+  ::syscall(SYS_close_range, unsigned{kStandardStreams}, ~0u, CLOSE_RANGE_CLOEXEC);
+  if (is_ready) ::execv(file, arguments);
+  const int error = errno;
+  (void)!::write(failed, &error, sizeof error);
+  ::kill(::getpid(), SIGKILL);  // not raise(), whose thread may be the one that waits
+  for (;;) ::pause();
+}
+
+Child start_child(const std::string& file, std::vector<std::string> words,
+                  const std::string& directory) {
+  const std::vector<char*> arguments = argument_list(words);
+  Pipe input, output, errors, failed;
+  const int streams[] = {input.read.get(), output.write.get(), errors.write.get()};
+  const pid_t parent = ::getpid();
+  // fork() would copy the tables of all memory, which play has locked: its loop would have to wait.
+  const pid_t pid = ::vfork();
+  if (pid < 0) fail_by_errno();
+  if (pid == 0)
+    become(file.c_str(), arguments.data(), directory.c_str(), streams, failed.write.get(), parent);
+  failed.write = FileDescriptor();  // exec closes the child's
+  int error = 0;
+  ssize_t got;
+  do got = ::read(failed.read.get(), &error, sizeof error);
+  while (got < 0 && errno == EINTR);
+  if (got <= 0)
+    return {pid, std::move(input.write), std::move(output.read), std::move(errors.read)};
+  while (::waitpid(pid, nullptr, 0) < 0 && errno == EINTR) {
+  }
+  throw Error(format("cannot be started in {}: {}",
+                     (std::filesystem::current_path() / directory).string(),
+                     std::generic_category().message(error)));
+}
+
+}  // namespace
+
+Launcher::Launcher() : thread_([this](const std::stop_token& stop) { run(stop); }) {
+  // Where this program was started with SIGCHLD ignored, the kernel would forget how a child ended.
+  ::signal(SIGCHLD, SIG_DFL);
+}
+
+Child Launcher::start(const std::string& file, const std::vector<std::string>& words,
+                      const std::string& directory) {
+  std::packaged_task<Child()> task([&] { return start_child(file, words, directory); });
+  std::future<Child> child = task.get_future();
+  {
+    const std::lock_guard lock(mutex_);
+    tasks_.push_back(std::move(task));
+  }
+  has_task_.notify_one();
+  return child.get();
+}
+
+void Launcher::run(const std::stop_token& stop) {
+  // This program's signals are for its other threads. No handler runs in a child before exec.
+  sigset_t all;
+  ::sigfillset(&all);
+  ::pthread_sigmask(SIG_SETMASK, &all, nullptr);
+  for (;;) {
+    std::unique_lock lock(mutex_);
+    if (!has_task_.wait(lock, stop, [this] { return !tasks_.empty(); })) return;
+    std::packaged_task<Child()> task = std::move(tasks_.front());
+    tasks_.pop_front();
+    lock.unlock();
+    task();
+  }
+}
 
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
@@ -35,10 +141,6 @@ constexpr std::size_t kReadBytes = 1 << 16;
 constexpr std::size_t kErrorLineBytes = 4096;  // of a line of standard error that is remembered
 constexpr auto kGrace = 2s;                    // from the end of the child's input to SIGKILL
 constexpr auto kEndingGrace = 1s;              // from the end of its output to its own end
-
-[[noreturn]] void fail_by_errno(const std::string& what) {
-  throw std::system_error(errno, std::generic_category(), what);
-}
 
 /// The file to execute. It is looked up here because hardly any call is allowed between vfork and
 /// exec.
@@ -62,12 +164,6 @@ fs::path find_program(const Command& command) {
 
 void set_nonblocking(int fd) {
   if (::fcntl(fd, F_SETFL, ::fcntl(fd, F_GETFL) | O_NONBLOCK) != 0) fail_by_errno("a pipe");
-}
-
-int milliseconds_until(ChildProcess::Clock::time_point deadline) {
-  const auto left =
-      std::chrono::ceil<std::chrono::milliseconds>(deadline - ChildProcess::Clock::now());
-  return static_cast<int>(std::clamp<std::int64_t>(left.count(), 0, 1'000'000));
 }
 
 }  // namespace

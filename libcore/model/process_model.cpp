@@ -207,14 +207,10 @@ class ProcessModel final : public Model {
   bool require_child();
   bool send(Question question);
   Clock::time_point deadline() const;
-  struct Fault {
-    std::string why;          // empty: none
-    bool is_lasting = false;  // asking again cannot help
-  };
-  Fault listen(const QuestionDone& done);
+  void listen(const QuestionDone& done);
   void read_lines(const QuestionDone& done);
   void handle(const Answer& answer, const QuestionDone& done);
-  void give_up(const Fault& fault, const QuestionDone& done);
+  void give_up(const std::string& what, bool is_lasting, const QuestionDone& done);
 
   std::shared_ptr<ProcessGroup> group_;  // declared first: its launcher outlives the child
   std::unique_ptr<ChildProcess> child_;
@@ -252,7 +248,15 @@ void ProcessModel::ask_all(const NextQuestion& next, const QuestionDone& done) {
       if (!send(question)) done(question, dead_);
     }
     if (sent_.empty()) return;
-    if (const Fault fault = listen(done); !fault.why.empty()) give_up(fault, done);
+    try {
+      listen(done);
+    } catch (const LastingError& e) {
+      give_up(e.what(), /*is_lasting=*/true, done);
+    } catch (const ModelError& e) {
+      give_up(e.what(), /*is_lasting=*/false, done);
+    } catch (const std::system_error& e) {
+      give_up(e.what(), /*is_lasting=*/true, done);
+    }
   }
 }
 
@@ -299,27 +303,16 @@ ProcessModel::Clock::time_point ProcessModel::deadline() const {
   return std::min(std::max(oldest, last_answer_) + limit, oldest + in_flight_ * limit);
 }
 
-/// Hears what comes next. Answers why the process is of no use any more, if it is not.
-ProcessModel::Fault ProcessModel::listen(const QuestionDone& done) {
-  try {
-    switch (pump(*group_, *child_, deadline())) {
-      case ChildProcess::Event::kMoved:
-        read_lines(done);
-        return {};
-      case ChildProcess::Event::kTimeout:
-        throw ModelError(
-            format("gave no answer within {} s", to_text(group_->options.timeout_seconds)));
-      case ChildProcess::Event::kEnded:
-        break;
-    }
-    throw_how_it_ended(*child_, "");
-  } catch (const ModelError& e) {
-    child_->kill();
-    child_.reset();
-    return {who(*group_, e.what()), dynamic_cast<const LastingError*>(&e) != nullptr};
-  } catch (const std::system_error& e) {
-    child_.reset();
-    return {who(*group_, e.what()), true};
+/// Hears what comes next. @throw ModelError when the process is of no use any more
+void ProcessModel::listen(const QuestionDone& done) {
+  switch (pump(*group_, *child_, deadline())) {
+    case ChildProcess::Event::kMoved:
+      return read_lines(done);
+    case ChildProcess::Event::kTimeout:
+      throw ModelError(
+          format("gave no answer within {} s", to_text(group_->options.timeout_seconds)));
+    case ChildProcess::Event::kEnded:
+      throw_how_it_ended(*child_, "");
   }
 }
 
@@ -352,29 +345,23 @@ void ProcessModel::handle(const Answer& answer, const QuestionDone& done) {
   done(question, answer.error->empty() ? "no reason given" : *answer.error);
 }
 
-/// Takes back the questions that a lost process had: each is asked again, or fails. Of a lasting
-/// fault, all fail: the search ends with the first.
-void ProcessModel::give_up(const Fault& fault, const QuestionDone& done) {
+/// Ends the process, and takes back the questions that it had: each is asked again, or fails. Where
+/// asking again cannot help, all fail: the search ends with the first.
+void ProcessModel::give_up(const std::string& what, bool is_lasting, const QuestionDone& done) {
+  child_->kill();
+  child_.reset();
+  const std::string why = who(*group_, what);
   const std::vector<Question> lost = std::exchange(sent_, {});
-  if (fault.is_lasting) {
-    for (const Question& question : lost) done(question, fault.why);
-    return;
-  }
-  for (auto question = lost.rbegin(); question != lost.rend(); ++question)
+  for (auto question = lost.rbegin(); question != lost.rend() && !is_lasting; ++question)
     if (question->attempts < kMaxAttempts) again_.push_front(*question);
   for (const Question& question : lost)
-    if (question.attempts >= kMaxAttempts)
-      done(question, format("{}; asked {} times", fault.why, question.attempts));
+    if (is_lasting)
+      done(question, why);
+    else if (question.attempts >= kMaxAttempts)
+      done(question, format("{}; asked {} times", why, question.attempts));
 }
 
 }  // namespace
-
-ProcessSource::ProcessSource(std::string name, std::vector<std::string> command,
-                             std::filesystem::path directory, const ProcessOptions& options)
-    : name_(std::move(name)),
-      command_(std::move(command)),
-      directory_(std::move(directory)),
-      options_(options) {}
 
 std::unique_ptr<Model> ProcessSource::create(const std::vector<Parameter>& parameters,
                                              const Stored& store) const {

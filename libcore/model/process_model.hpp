@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "libcore/model/model.hpp"
@@ -32,7 +33,11 @@ class ProcessSource : public ModelSource {
   /// @param command program and arguments, without a shell; the program is looked up in PATH.
   /// @param directory where it runs, and where "./program" is looked for.
   ProcessSource(std::string name, std::vector<std::string> command, std::filesystem::path directory,
-                const ProcessOptions& options);
+                const ProcessOptions& options)
+      : name_(std::move(name)),
+        command_(std::move(command)),
+        directory_(std::move(directory)),
+        options_(options) {}
 
   const char* kind() const override { return "process"; }
   using ModelSource::create;

@@ -6,7 +6,7 @@
 
 #include "libcore/base/text.hpp"
 #include "libcore/scene/letters.hpp"
-#include "libcore/scene/torsion.hpp"
+#include "libcore/scene/scene.hpp"
 
 namespace hapgrid {
 

@@ -11,7 +11,6 @@ namespace hapgrid {
 
 /// The width of a letter in pixels, at scale 1. All letters are as wide.
 inline constexpr int kLetterWidth = 7;
-inline constexpr int kLetterHeight = 14;
 
 /// The width of a text in UTF-8, at scale 1.
 double letters_width(std::string_view text);

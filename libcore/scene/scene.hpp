@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -37,10 +38,10 @@ struct Scene {
 struct Snapshot {
   std::uint64_t tick = 0;
   double time_s = 0;
-  Vec3 hip{};            ///< as the device gave it; may be outside the box or not finite
-  Vec3 position{};       ///< the HIP held in the box, to which state, energy and force belong
-  Vec3 hand = kNowhere;  ///< that pulls the HIP by a spring; NaN without one
-  Vec3 force{};          ///< newtons, as sent
+  Vec3 hip{};               ///< as the device gave it; may be outside the box or not finite
+  Vec3 position{};          ///< the HIP held in the box, to which state, energy and force belong
+  Vec3 hand = kNowhere;     ///< that pulls the HIP by a spring; NaN without one
+  Vec3 force{};             ///< newtons, as sent
   std::uint64_t jumps = 0;  ///< ticks in which the state jumped, because it started or snapped
   std::vector<double> row;  ///< the state; then the grid's stored values, which no stream has
 };
@@ -54,5 +55,22 @@ struct Frame : Snapshot {
   /// that the reader got; NaN if it is no angle.
   std::vector<double> turned;
 };
+
+// The angle of four spheres.
+
+/// Degrees in [-180, 180], positive clockwise when one looks from the second sphere to the third
+/// (IUPAC); NaN where three of the spheres stand on a line or a place is not finite.
+double torsion_degrees(const Torsion& torsion, const Frame& frame);
+
+/// By how many degrees an angle has turned, in (-180, 180].
+inline double turned_degrees(double first, double now) {
+  return -std::remainder(first - now, 360);  // 180, never -180
+}
+
+/// Pictures name a torsion that has turned by so many degrees or more.
+inline constexpr double kTurned = 10;
+
+/// The name of a torsion, and how far it has turned: "psi +67°".
+std::string turned_text(const Torsion& torsion, double degrees);
 
 }  // namespace hapgrid

@@ -17,7 +17,7 @@
 #include "libcore/base/format.hpp"
 #include "libcore/base/message.hpp"
 #include "libcore/grid/box_message.hpp"
-#include "libcore/scene/torsion.hpp"
+#include "libcore/scene/scene.hpp"
 
 namespace hapgrid {
 
@@ -46,16 +46,6 @@ void set_vector(scene_schema::Vector::Builder out, const Vec3& v) {
 }
 
 Vec3 get_vector(scene_schema::Vector::Reader in) { return {in.getX(), in.getY(), in.getZ()}; }
-
-Sphere decode_sphere(schema::Sphere::Reader in) {
-  Sphere sphere = get_sphere(in);
-  if (!std::isfinite(sphere.radius) || sphere.radius < 0)
-    throw FormatError("a radius is negative or not finite");
-  for (const float part : sphere.colour)
-    if (!(part >= 0 && part <= 1)) throw FormatError("a colour is not in [0, 1]");
-  get_text(in.getLabel(), kMaxText, "a label");
-  return sphere;
-}
 
 void set_torsions(scene_schema::Scene::Builder scene, const std::vector<Torsion>& torsions) {
   auto list = scene.initTorsions(static_cast<unsigned>(torsions.size()));
@@ -93,7 +83,7 @@ Scene decode_scene(scene_schema::Scene::Reader in) {
     throw FormatError(
         format("a shape of {} spheres; {} are possible", spheres.size(), kMaxSpheres));
   scene.spheres.reserve(spheres.size());
-  for (const auto sphere : spheres) scene.spheres.push_back(decode_sphere(sphere));
+  for (const auto sphere : spheres) scene.spheres.push_back(get_sphere(sphere));
   if (in.getTorsions().size() > kMaxTorsions)
     throw FormatError(
         format("{} torsions; {} are possible", in.getTorsions().size(), kMaxTorsions));

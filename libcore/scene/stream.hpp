@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "libcore/base/file.hpp"
+#include "libcore/base/zstd_frame.hpp"
 #include "libcore/scene/scene.hpp"
 
 namespace hapgrid {
@@ -25,8 +26,8 @@ class SceneEncoder {
   template <class Fill>
   std::span<const std::byte> build(std::size_t words, Fill&& fill);
 
-  std::vector<std::uint64_t> scratch_;  // see build_message()
-  std::vector<std::uint64_t> message_;
+  MessageWords scratch_;  // see build_message()
+  MessageWords message_;
 };
 
 /// Reads a stream as it comes: a frame is given out as soon as its last byte is there, so that a
@@ -70,9 +71,9 @@ class SceneReader {
   std::vector<std::byte> buffer_;  // the bytes from begin_ to end_ are still to be used
   std::size_t begin_ = 0;
   std::size_t end_ = 0;
-  std::uint64_t bytes_read_ = 0;      // of the stream
-  std::uint64_t message_start_ = 0;   // in bytes
-  std::vector<std::uint64_t> words_;  // of the message
+  std::uint64_t bytes_read_ = 0;     // of the stream
+  std::uint64_t message_start_ = 0;  // in bytes
+  MessageWords words_;               // of the message
   Scene scene_;
   std::uint64_t frame_limit_ = 0;
   bool any_frame_ = false;

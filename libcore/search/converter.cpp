@@ -1,7 +1,9 @@
 #include "libcore/search/converter.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <future>
+#include <mutex>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -18,6 +20,80 @@ namespace {
 thread_local CurrentConversion current;
 
 }  // namespace
+
+/// Hands out the numbers [0, items) in ascending order, and remembers the first item that failed.
+/// Which one that is does not depend on the threads: no item behind a failed one is handed out, and
+/// all items before it are.
+class Converter::WorkQueue {
+ public:
+  /// Items [next, end) that one thread has taken and not begun yet.
+  struct Slice {
+    std::uint64_t next = 0;
+    std::uint64_t end = 0;
+    bool is_empty() const { return next == end; }
+  };
+
+  /// @param slice items that a thread takes at a time, at least 1
+  WorkQueue(std::uint64_t items, std::size_t models, std::uint64_t slice, const Progress& progress)
+      : progress_(progress),
+        slice_(slice),
+        threads_(static_cast<std::size_t>(std::min<std::uint64_t>(models, items))),
+        left_{0, items} {}
+
+  /// How many of the models have something to do.
+  std::size_t threads() const { return threads_; }
+
+  /// The next item of `mine`, which is filled again when it is empty. False when the work is over,
+  /// or when the last items are kept for models that are idle.
+  bool next(Slice& mine, bool idle, std::uint64_t& item) {
+    if (progress_.stopped() || (mine.is_empty() && !refill(mine, idle))) return false;
+    if (mine.next > failed_.load(std::memory_order_relaxed)) return false;
+    item = mine.next++;
+    return true;
+  }
+
+  void fail(std::uint64_t item, std::string_view why) {
+    const std::lock_guard lock(mutex_);
+    if (item >= failed_) return;
+    failed_ = item;
+    why_ = why;
+  }
+
+  /// Hands out nothing more.
+  void stop() {
+    const std::lock_guard lock(mutex_);
+    left_.next = left_.end;
+  }
+
+  /// @param describe says what an item is
+  /// @throw Stopped; ModelError for the first item that failed
+  template <class Describe>
+  void require_success(const Describe& describe) const {
+    if (progress_.stopped()) throw Stopped();
+    if (failed_ != kNone) throw ModelError(format("{}: {}", describe(failed_), why_));
+  }
+
+ private:
+  static constexpr std::uint64_t kNone = ~std::uint64_t{0};
+
+  bool refill(Slice& mine, bool idle) {
+    const std::lock_guard lock(mutex_);
+    const std::uint64_t left = left_.end - left_.next;
+    // The last items are for models that have nothing to do, not for a second place in a queue.
+    if (left == 0 || (!idle && left < threads_)) return false;
+    mine.next = left_.next;
+    mine.end = left_.next += std::min(slice_, left);
+    return true;
+  }
+
+  const Progress& progress_;
+  std::uint64_t slice_;
+  std::size_t threads_;
+  std::mutex mutex_;
+  Slice left_;
+  std::atomic<std::uint64_t> failed_{kNone};
+  std::string why_;
+};
 
 std::unique_ptr<Model> create_model(const ModelSource& source, const GridSpec& spec) {
   std::unique_ptr<Model> model = source.create(spec.parameters, spec.stored);
@@ -102,10 +178,10 @@ void Converter::make_conversions(Batch& batch, WorkQueue& queue, Model& model) {
   count();
 }
 
-void Converter::run(WorkQueue& queue, const std::function<void(Model&)>& work) {
+void Converter::run(Batch& batch, WorkQueue& queue) {
   const auto guarded = [&](std::size_t k) {
     try {
-      work(*models_[k]);
+      make_conversions(batch, queue, *models_[k]);
     } catch (...) {  // nobody waits for the work of the others
       queue.stop();
       throw;
@@ -134,7 +210,7 @@ void Converter::convert(Batch& batch) {
           ? 1
           : std::clamp<std::uint64_t>(batch.conversions() / (8 * models_.size()), 1, kMaxSlice);
   WorkQueue queue(batch.conversions(), models_.size(), slice, progress_);
-  run(queue, [&](Model& model) { make_conversions(batch, queue, model); });
+  run(batch, queue);
   queue.require_success([&](std::uint64_t item) {
     const auto [i, q] = batch.conversion(item);
     return format("conversion at {}, direction {}", describe(box_, batch.point(i), batch.level(i)),

@@ -1,16 +1,110 @@
 // Evaluating the conversion function for many records at once.
 #pragma once
 
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
+#include <string_view>
 #include <vector>
 
+#include "libcore/base/error.hpp"
+#include "libcore/grid/grid.hpp"
 #include "libcore/model/model.hpp"
-#include "libcore/search/batch.hpp"
-#include "libcore/search/progress.hpp"
-#include "libcore/search/work_queue.hpp"
 
 namespace hapgrid {
+
+/// What a search has done so far. Another thread may read it meanwhile, to show it.
+struct Progress {
+  std::atomic<std::uint64_t> conversions{0};           ///< done in this run
+  std::atomic<std::uint64_t> frontier_conversions{0};  ///< asked for by the current frontier
+  std::atomic<std::uint64_t> frontier_done{0};         ///< of these, done
+  std::atomic<std::uint64_t> frontier_records{0};
+  std::atomic<std::uint64_t> records{0};  ///< records of the grid so far
+  std::atomic<std::uint32_t> generation{0};
+  /// Not 0 when the work must end soon. Null when nothing stops it. A signal's handler may set it.
+  const std::atomic<int>* stop = nullptr;
+
+  bool stopped() const { return stop && stop->load(std::memory_order_relaxed) != 0; }
+};
+
+/// Thrown by work that Progress::stop has ended.
+class Stopped : public Error {
+ public:
+  explicit Stopped(const std::string& what_is_kept = "") : Error("interrupted" + what_is_kept) {}
+};
+
+/// Records with the directions to be expanded, and room for what each conversion reaches. There are
+/// enough records to keep the threads busy, and so few that the rows reached stay near the caches.
+class Batch {
+ public:
+  /// One conversion: of a record of the batch, in a direction.
+  struct Item {
+    std::uint16_t record;
+    std::uint16_t direction;
+  };
+
+  explicit Batch(const GridSpec& spec)
+      : n_(spec.state_size),
+        row_size_(spec.row_size()),
+        capacity_(std::clamp<std::size_t>(kBytes / (sizeof(double) * kDirections * row_size_), 1,
+                                          kMaxRecords)),
+        sources_(std::make_unique_for_overwrite<Source[]>(capacity_)),
+        states_(std::make_unique_for_overwrite<double[]>(capacity_ * n_)),
+        reached_(std::make_unique_for_overwrite<double[]>(capacity_ * kDirections * row_size_)),
+        items_(std::make_unique_for_overwrite<Item[]>(capacity_ * kDirections)) {}
+
+  std::size_t size() const { return size_; }
+  bool is_full() const { return size_ == capacity_; }
+  void clear() { size_ = count_ = 0; }
+
+  /// Adds a record to a batch that is not full. `todo` are the directions to expand, `state` the
+  /// numbers of its state.
+  void add(PointIndex point, Level level, const double* state, DirectionMask todo) {
+    sources_[size_] = {point, todo, level};
+    std::copy_n(state, n_, &states_[size_ * n_]);
+    for (DirectionMask left = todo; left; left &= left - 1)
+      items_[count_++] = {static_cast<std::uint16_t>(size_),
+                          static_cast<std::uint16_t>(std::countr_zero(left))};
+    ++size_;
+  }
+
+  PointIndex point(std::size_t i) const { return sources_[i].point; }
+  Level level(std::size_t i) const { return sources_[i].level; }
+  DirectionMask todo(std::size_t i) const { return sources_[i].todo; }
+  const double* state(std::size_t i) const { return &states_[i * n_]; }
+  /// What the conversions of a record reach: 26 rows of row_size() numbers.
+  double* reached(std::size_t i) { return &reached_[i * kDirections * row_size_]; }
+
+  /// The conversions of all records, ascending by (record, direction).
+  std::size_t conversions() const { return count_; }
+  Item conversion(std::size_t c) const { return items_[c]; }
+
+ private:
+  static constexpr std::size_t kBytes = 8 << 20;
+  static constexpr std::size_t kMaxRecords = 2048;
+
+  struct Source {
+    PointIndex point;
+    DirectionMask todo;
+    Level level;
+  };
+
+  std::uint32_t n_;
+  std::uint32_t row_size_;
+  std::size_t capacity_;
+  std::size_t size_ = 0;
+  std::size_t count_ = 0;  // conversions
+  // Not initialised: a small frontier touches little of it.
+  std::unique_ptr<Source[]> sources_;
+  std::unique_ptr<double[]> states_;   // capacity x n
+  std::unique_ptr<double[]> reached_;  // capacity x 26 x row_size
+  std::unique_ptr<Item[]> items_;      // capacity x 26
+};
 
 /// The conversion that the plug-in of a thread is making, so that a crash handler can name it.
 struct CurrentConversion {
@@ -39,15 +133,16 @@ class Converter {
   /// ModelError naming point, level and direction of the first that failed.
   void convert(Batch& batch);
 
-  /// Calls work(model) for as many models as `queue` has work for, each in a thread of its own.
-  /// When one of them throws, or cannot be started, the queue is stopped.
-  /// @throw Error when a thread cannot be started; what `work` throws, when all threads have ended
-  void run(WorkQueue& queue, const std::function<void(Model&)>& work);
   std::size_t models() const { return models_.size(); }
   /// A model for the caller's own thread, between calls of convert().
   const Model& model() const { return *models_.front(); }
 
  private:
+  class WorkQueue;
+  /// Makes the conversions in as many threads as `queue` has work for. When one of them throws, or
+  /// cannot be started, the queue is stopped.
+  /// @throw Error when a thread cannot be started; what the others throw, when all have ended
+  void run(Batch& batch, WorkQueue& queue);
   /// What one thread does.
   void make_conversions(Batch& batch, WorkQueue& queue, Model& model);
 

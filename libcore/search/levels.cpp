@@ -6,7 +6,7 @@
 #include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/grid/describe.hpp"
-#include "libcore/grid/grid_builder.hpp"
+#include "libcore/grid/grid.hpp"
 #include "libcore/shard/reader.hpp"
 
 namespace hapgrid {
@@ -144,23 +144,16 @@ void Levels::require_settled(std::uint32_t generation) const {
 }
 
 void Levels::write(SectionWriter& out) const {
-  RecordRows all;
-  all.width = row_size_;
-  all.point = columns_.point;
-  all.level = columns_.level;
-  all.generation = columns_.generation;
-  all.numbers = columns_.rows;
-  all.links = columns_.links;
   RecordIndex begin = 0;  // of a run of records
   RecordIndex end = 0;
   for_each([&](RecordIndex r) {
     if (r != end) {
-      out.records(all, begin, end);
+      out.records(columns_, begin, end);
       begin = r;
     }
     end = r + 1;
   });
-  out.records(all, begin, end);
+  out.records(columns_, begin, end);
   out.finish();
 }
 

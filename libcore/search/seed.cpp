@@ -8,7 +8,7 @@
 #include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/grid/describe.hpp"
-#include "libcore/grid/grid_builder.hpp"
+#include "libcore/grid/grid.hpp"
 
 namespace hapgrid {
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "libcore/base/zstd_frame.hpp"
 #include "libcore/session/session.hpp"
 
 namespace hapgrid {
@@ -17,16 +18,14 @@ inline constexpr std::size_t kChunkTicks = 4096;  ///< A chunk has at most so ma
 inline constexpr std::uint64_t kHeaderLimit = 1 << 20;
 inline constexpr std::uint64_t kChunkLimit = 128 * kChunkTicks;
 
-/// A message with its segment table.
-using Message = std::vector<std::uint64_t>;
-Message encode_header(const SessionHeader& header);
+MessageWords encode_header(const SessionHeader& header);
 /// @param ticks 1 to kChunkTicks, ascending. @param dropped see schemas/session.capnp
-Message encode_ticks(std::span<const TickRecord> ticks, std::uint64_t dropped);
+MessageWords encode_ticks(std::span<const TickRecord> ticks, std::uint64_t dropped);
 
 /// @throw FormatError (without the file's name) for a message of another kind, or with impossible
 /// content.
-SessionHeader decode_header(const Message& message);
+SessionHeader decode_header(const MessageWords& message);
 /// Returns `dropped`.
-std::uint64_t decode_ticks(const Message& message, std::vector<TickRecord>& ticks);
+std::uint64_t decode_ticks(const MessageWords& message, std::vector<TickRecord>& ticks);
 
 }  // namespace hapgrid

@@ -1,17 +1,82 @@
 // Messages of schemas/session.capnp.
 #include "libcore/base/message.hpp"
 
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
 #include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/grid/box_message.hpp"
-#include "libcore/session/column.hpp"
 #include "libcore/session/format.hpp"
+#include "libcore/session/session.hpp"
 #include "session.capnp.h"
 
 namespace hapgrid {
 
 namespace {
+
+// A hand moves smoothly: from tick to tick sign, exponent and the upper bits of the fraction hardly
+// change. But zstd, which looks for repeated bytes, does not see that through the noise of the
+// lower bits. The difference of neighbours has zeros in place of the bits that stay the same, and
+// bytes of one significance side by side keep the zeros together. schemas/session.capnp defines
+// each bit.
+
+/// Signed differences as small numbers: 0, -1, 1, -2, ... are 0, 1, 2, 3, ...
+constexpr std::uint64_t zigzag(std::uint64_t difference) {
+  return difference << 1 ^ (0 - (difference >> 63));
+}
+constexpr std::uint64_t unzigzag(std::uint64_t z) { return z >> 1 ^ (0 - (z & 1)); }
+
+/// Byte b of the number i of n is at b n + i.
+void put_bytes(std::uint8_t* to, std::size_t n, std::size_t i, std::uint64_t u) {
+  for (std::size_t b = 0; b < 8; ++b) to[b * n + i] = static_cast<std::uint8_t>(u >> 8 * b);
+}
+std::uint64_t get_bytes(const std::uint8_t* from, std::size_t n, std::size_t i) {
+  std::uint64_t u = 0;
+  for (std::size_t b = 0; b < 8; ++b) u |= std::uint64_t{from[b * n + i]} << 8 * b;
+  return u;
+}
+
+/// Three columns of differences to the tick before; `to` has 24 bytes a tick.
+void encode_differences(std::span<const TickRecord> ticks, Vec3 TickRecord::*member,
+                        std::uint8_t* to) {
+  const std::size_t n = ticks.size();
+  for (int axis = 0; axis < 3; ++axis, to += 8 * n)
+    for (std::uint64_t i = 0, before = 0; i < n; ++i) {
+      const auto bits = std::bit_cast<std::uint64_t>((ticks[i].*member)[axis]);
+      put_bytes(to, n, i, zigzag(bits - before));
+      before = bits;
+    }
+}
+void decode_differences(const std::uint8_t* from, Vec3 TickRecord::*member,
+                        std::span<TickRecord> ticks) {
+  const std::size_t n = ticks.size();
+  for (int axis = 0; axis < 3; ++axis, from += 8 * n)
+    for (std::uint64_t i = 0, bits = 0; i < n; ++i) {
+      bits += unzigzag(get_bytes(from, n, i));
+      (ticks[i].*member)[axis] = std::bit_cast<double>(bits);
+    }
+}
+
+/// Three columns of the bits in which the force differs from the raw one; `to` has 24 bytes a tick.
+void encode_force(std::span<const TickRecord> ticks, std::uint8_t* to) {
+  const std::size_t n = ticks.size();
+  for (int axis = 0; axis < 3; ++axis, to += 8 * n)
+    for (std::size_t i = 0; i < n; ++i)
+      put_bytes(to, n, i,
+                std::bit_cast<std::uint64_t>(ticks[i].force[axis]) ^
+                    std::bit_cast<std::uint64_t>(ticks[i].raw_force[axis]));
+}
+void decode_force(const std::uint8_t* from, std::span<TickRecord> ticks) {
+  const std::size_t n = ticks.size();
+  for (int axis = 0; axis < 3; ++axis, from += 8 * n)
+    for (std::size_t i = 0; i < n; ++i)
+      ticks[i].force[axis] = std::bit_cast<double>(
+          get_bytes(from, n, i) ^ std::bit_cast<std::uint64_t>(ticks[i].raw_force[axis]));
+}
 
 constexpr std::uint64_t kMagic = 0x6861706772696473;  // "hapgrids"
 constexpr std::uint32_t kFormatVersion = 2;
@@ -20,8 +85,8 @@ constexpr double kMaxRate = 1e9;
 constexpr std::size_t kMaxText = 255;  // bytes of a name, unit or digest
 
 template <class Fill>
-Message build(std::size_t words, Fill&& fill) {
-  Message scratch, message;
+MessageWords build(std::size_t words, Fill&& fill) {
+  MessageWords scratch, message;
   build_message<session_schema::Message>(words, scratch, message, fill);
   return message;
 }
@@ -47,7 +112,7 @@ void SessionHeader::validate() const {
   check_text(settings, kMaxSettings, "settings");
 }
 
-Message encode_header(const SessionHeader& header) {
+MessageWords encode_header(const SessionHeader& header) {
   header.validate();
   return build(1024, [&](session_schema::Message::Builder message) {
     auto out = message.initHeader();
@@ -64,7 +129,7 @@ Message encode_header(const SessionHeader& header) {
   });
 }
 
-SessionHeader decode_header(const Message& message) {
+SessionHeader decode_header(const MessageWords& message) {
   return read_message<session_schema::Message>(
       message, [](session_schema::Message::Reader in_message) {
         if (!in_message.isHeader() || in_message.getHeader().getMagic() != kMagic)
@@ -94,7 +159,7 @@ SessionHeader decode_header(const Message& message) {
       });
 }
 
-Message encode_ticks(std::span<const TickRecord> ticks, std::uint64_t dropped) {
+MessageWords encode_ticks(std::span<const TickRecord> ticks, std::uint64_t dropped) {
   const auto n = static_cast<unsigned>(ticks.size());
   return build(14 * ticks.size() + 64, [&](session_schema::Message::Builder message) {
     auto out = message.initTicks();
@@ -120,7 +185,7 @@ Message encode_ticks(std::span<const TickRecord> ticks, std::uint64_t dropped) {
   });
 }
 
-std::uint64_t decode_ticks(const Message& message, std::vector<TickRecord>& ticks) {
+std::uint64_t decode_ticks(const MessageWords& message, std::vector<TickRecord>& ticks) {
   return read_message<session_schema::Message>(
       message, [&](session_schema::Message::Reader in_message) {
         if (!in_message.isTicks()) throw FormatError("damaged: a chunk of ticks was expected");

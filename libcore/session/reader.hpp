@@ -50,7 +50,7 @@ class SessionReader {
   InputFile file_;
   ZstdFrameDecoder frames_{"session"};
   std::vector<std::byte> buffer_;
-  Message message_;
+  MessageWords message_;
   SessionHeader header_;
   std::uint64_t header_end_ = 0;
   std::uint64_t offset_ = 0;                // of the next zstd frame

@@ -9,7 +9,8 @@
 #include <vector>
 
 #include "libcore/base/digest.hpp"
-#include "libcore/grid/spec.hpp"
+#include "libcore/base/zstd_frame.hpp"
+#include "libcore/grid/grid.hpp"
 
 namespace hapgrid {
 
@@ -59,7 +60,7 @@ Digest section_digest(const Digest& header, std::span<const ChunkInfo> chunks);
 
 /// One chunk of a section, decoded. The columns look into the message.
 struct Chunk {
-  std::vector<std::uint64_t> message;
+  MessageWords message;
   std::vector<double> transposed;   ///< the rows, where they have more than one number
   std::size_t width = 0;            ///< numbers a row: the grid's row_size()
   std::span<const double> numbers;  ///< R x width; each row begins with the state
@@ -74,6 +75,8 @@ struct Chunk {
 struct RecordRows : Chunk {
   std::span<const std::uint32_t> generation;
   std::span<const Level> links;  ///< R x 26
+
+  operator RecordRun() const { return {point, level, generation, numbers, links}; }
 };
 
 /// What N requests of R source records reached. The numbers are N x width: for each record one row

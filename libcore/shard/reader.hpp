@@ -2,12 +2,14 @@
 // handed out is safe to index with, except for links, whose destination may not exist.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "libcore/base/zstd_frame.hpp"
+#include "libcore/grid/grid.hpp"
 #include "libcore/shard/section.hpp"
 
 namespace hapgrid {
@@ -36,5 +38,19 @@ class SectionReader {
   ZstdFrameDecoder decoder_{"shard"};
   std::vector<std::byte> bytes_;
 };
+
+// A whole grid from a shard into memory.
+
+struct LoadedGrid {
+  Grid grid;
+  std::uint64_t stored_bytes = 0;  ///< size of the shard as it is stored
+  std::string digest = {};         ///< of the content, in hex: which grid it is
+};
+
+/// Reads a grid ("-" is standard input), in as many threads as the machine has. Every digest and
+/// count is checked.
+/// @throw FormatError when the stream is damaged, or is not one grid; std::system_error.
+LoadedGrid load_grid(const std::string& name);
+LoadedGrid load_grid(const Section& section);
 
 }  // namespace hapgrid

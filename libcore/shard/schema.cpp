@@ -67,53 +67,17 @@ Parameter decode_parameter(schema::Parameter::Reader in) {
   return parameter;
 }
 
-Content decode_content(schema::Header::Content content) {
-  switch (content) {
-    case schema::Header::Content::GRID:
-      return Content::kGrid;
-    case schema::Header::Content::REQUESTS:
-      return Content::kRequests;
-  }
-  throw FormatError("content of a kind that this version does not know");
+/// The enumerators of both have the same numbers. @throw FormatError where there is no such one
+template <class To, class From>
+To known(From from, To last, const char* what) {
+  if (static_cast<unsigned>(from) > static_cast<unsigned>(last))
+    throw FormatError(format("{} of a kind that this version does not know", what));
+  return static_cast<To>(from);
 }
-
-schema::Header::Content encode_content(Content content) {
-  return content == Content::kGrid ? schema::Header::Content::GRID
-                                   : schema::Header::Content::REQUESTS;
-}
-
-schema::Equality::Norm encode_norm(Equality::Norm norm) {
-  switch (norm) {
-    case Equality::Norm::kPlugin:
-      return schema::Equality::Norm::PLUGIN;
-    case Equality::Norm::kMax:
-      return schema::Equality::Norm::MAX;
-    case Equality::Norm::kRms:
-      break;
-  }
-  return schema::Equality::Norm::RMS;
-}
-
-Equality::Norm decode_norm(schema::Equality::Norm norm) {
-  switch (norm) {
-    case schema::Equality::Norm::PLUGIN:
-      return Equality::Norm::kPlugin;
-    case schema::Equality::Norm::MAX:
-      return Equality::Norm::kMax;
-    case schema::Equality::Norm::RMS:
-      return Equality::Norm::kRms;
-  }
-  throw FormatError("a tolerance function of a kind that this version does not know");
-}
-
-Sphere decode_sphere(schema::Sphere::Reader in) {
-  Sphere sphere = get_sphere(in);
-  if (!std::isfinite(sphere.radius) || sphere.radius < 0 || !std::isfinite(sphere.colour[0]) ||
-      !std::isfinite(sphere.colour[1]) || !std::isfinite(sphere.colour[2]) ||
-      sphere.label.size() > kMaxLabelSize)
-    throw FormatError("a sphere whose radius, colour or label is impossible");
-  return sphere;
-}
+static_assert(
+    static_cast<int>(schema::Header::Content::REQUESTS) == static_cast<int>(Content::kRequests) &&
+    static_cast<int>(schema::Equality::Norm::MAX) == static_cast<int>(Equality::Norm::kMax) &&
+    static_cast<int>(schema::Equality::Norm::RMS) == static_cast<int>(Equality::Norm::kRms));
 
 /// The numbers of a header that have limits.
 void decode_limits(schema::Header::Reader in, GridSpec& spec) {
@@ -127,7 +91,8 @@ void decode_limits(schema::Header::Reader in, GridSpec& spec) {
   if (spec.max_levels == 0 || spec.max_levels > static_cast<unsigned>(kMaxLevels))
     throw FormatError(
         format("a level limit of {}; 1 to {} are possible", spec.max_levels, kMaxLevels));
-  spec.equality.norm = decode_norm(in.getEquality().getNorm());
+  spec.equality.norm =
+      known(in.getEquality().getNorm(), Equality::Norm::kRms, "a tolerance function");
   for (const double weight : in.getEquality().getWeights()) spec.equality.weights.push_back(weight);
   for (const double period : in.getEquality().getPeriods()) spec.equality.periods.push_back(period);
   if (!spec.equality.fits_periods(spec.state_size))
@@ -148,7 +113,7 @@ void encode_header(const SectionHeader& header, schema::Header::Builder out) {
   const GridSpec& spec = header.spec;
   out.setMagic(kMagic);
   out.setVersion(kFormatVersion);
-  out.setContent(encode_content(header.content));
+  out.setContent(static_cast<schema::Header::Content>(header.content));
   out.setGeneration(header.generation);
   set_box(out.initBox(), spec.box);
   out.setModel(spec.model);
@@ -170,7 +135,7 @@ void encode_header(const SectionHeader& header, schema::Header::Builder out) {
     spheres[i].setLabel(spec.spheres[i].label);
   }
   auto equality = out.initEquality();
-  equality.setNorm(encode_norm(spec.equality.norm));
+  equality.setNorm(static_cast<schema::Equality::Norm>(spec.equality.norm));
   equality.setWeights(kj::arrayPtr(spec.equality.weights.data(), spec.equality.weights.size()));
   equality.setPeriods(kj::arrayPtr(spec.equality.periods.data(), spec.equality.periods.size()));
   out.setLengthUnit(spec.length_unit);
@@ -186,7 +151,7 @@ SectionHeader decode_header(schema::Header::Reader in) {
     throw FormatError(format("format version {}, this program reads version {}", in.getVersion(),
                              kFormatVersion));
   SectionHeader header;
-  header.content = decode_content(in.getContent());
+  header.content = known(in.getContent(), Content::kRequests, "content");
   header.generation = in.getGeneration();
   GridSpec& spec = header.spec;
   spec.box = get_box(in.getBox());
@@ -202,7 +167,7 @@ SectionHeader decode_header(schema::Header::Reader in) {
   const auto spheres = in.getSpheres();
   if (spec.stored.shape != (spheres.size() > 0) || spheres.size() > kMaxSpheres)
     throw FormatError(format("a shape of {} spheres", spheres.size()));
-  for (const auto sphere : spheres) spec.spheres.push_back(decode_sphere(sphere));
+  for (const auto sphere : spheres) spec.spheres.push_back(get_sphere(sphere));
   return header;
 }
 

@@ -125,7 +125,7 @@ class BackwardReader {
   std::shared_ptr<const InputFile> file_;
   ZstdFrameDecoder decoder_{"shard"};
   std::vector<std::byte> stored_;
-  std::vector<std::uint64_t> words_;
+  MessageWords words_;
 };
 
 }  // namespace

@@ -163,7 +163,7 @@ void SectionWriter::record(PointIndex point, Level level, std::uint32_t generati
   ++rows_;
 }
 
-void SectionWriter::records(const RecordRows& rows, std::size_t begin, std::size_t end) {
+void SectionWriter::records(const RecordRun& rows, std::size_t begin, std::size_t end) {
   const auto copy = [&](const auto& from, auto* to, std::size_t each, std::size_t count) {
     std::memcpy(to + rows_ * each, from.data() + begin * each, count * each * sizeof *to);
   };
@@ -175,7 +175,7 @@ void SectionWriter::records(const RecordRows& rows, std::size_t begin, std::size
     copy(rows.point, point_.get(), 1, stop - begin);
     copy(rows.level, level_.get(), 1, stop - begin);
     copy(rows.generation, generation_.get(), 1, stop - begin);
-    copy(rows.numbers, numbers_.get(), row_size_, stop - begin);
+    copy(rows.rows, numbers_.get(), row_size_, stop - begin);
     copy(rows.links, links_.get(), kDirections, stop - begin);
     for (std::size_t r = begin; r < stop; ++r) count_frontier(rows.point[r], rows.generation[r]);
     rows_ += stop - begin;

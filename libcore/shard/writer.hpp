@@ -30,7 +30,7 @@ class SectionWriter {
   void record(PointIndex point, Level level, std::uint32_t generation, const double* row_numbers,
               const Level* links);
   /// A grid's records [begin, end) of `rows`. @throw std::system_error
-  void records(const RecordRows& rows, std::size_t begin, std::size_t end);
+  void records(const RecordRun& rows, std::size_t begin, std::size_t end);
   /// What the conversions of a source record reached. `rows`: 26 x row_size() numbers, of which
   /// those of the `directions` count, one at least. @throw std::system_error
   void requests(PointIndex point, Level level, DirectionMask directions, const double* rows);

@@ -28,7 +28,6 @@
 #include "libcore/scene/stream.hpp"
 #include "libcore/session/reader.hpp"
 #include "libcore/session/recording.hpp"
-#include "libcore/shard/load.hpp"
 #include "libcore/shard/reader.hpp"
 
 using namespace hapgrid;
@@ -220,8 +219,8 @@ std::vector<std::string> read_frames(const std::string& name) {
     parts.push_back(scene.bytes());
     for (Frame frame; reader.next(frame);) {
       Content content;
-      content.add_all(frame.tick, frame.time_s, frame.hip, frame.position, frame.force,
-                      frame.row, frame.energy, frame.own_energy, frame.centres);
+      content.add_all(frame.tick, frame.time_s, frame.hip, frame.position, frame.force, frame.row,
+                      frame.energy, frame.own_energy, frame.centres);
       parts.push_back(content.bytes());
     }
   } catch (const FormatError&) {

@@ -10,7 +10,7 @@
 
 #include "libcore/follow/traversal.hpp"
 #include "libcore/model/plugin_model.hpp"
-#include "libcore/shard/load.hpp"
+#include "libcore/shard/reader.hpp"
 
 namespace hapgrid::bench {
 

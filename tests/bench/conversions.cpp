@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "libcore/model/plugin_model.hpp"
-#include "libcore/shard/load.hpp"
+#include "libcore/shard/reader.hpp"
 
 int main(int argc, char** argv) {
   using namespace hapgrid;

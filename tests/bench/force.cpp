@@ -15,7 +15,7 @@
 #include <memory>
 
 #include "libcore/base/error.hpp"
-#include "libcore/check/random_hand.hpp"
+#include "libcore/check/walk.hpp"
 #include "libcore/follow/agreement.hpp"
 #include "libcore/follow/branch_traversal.hpp"
 #include "libcore/follow/model_traversal.hpp"

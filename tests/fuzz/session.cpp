@@ -2,9 +2,9 @@
 // right (mutate.hpp).
 #include "libcore/session/reader.hpp"
 #include "libcore/session/recording.hpp"
-#include "libcore/session/statistics.hpp"
 #include "tests/fuzz/fuzz.hpp"
 #include "tests/fuzz/mutate.hpp"
+#include "tools/stats/log_statistics.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::fuzz;

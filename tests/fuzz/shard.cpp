@@ -2,11 +2,9 @@
 // around them right (mutate.hpp).
 #include <limits>
 
-#include "libcore/check/continuous.hpp"
 #include "libcore/check/invariants.hpp"
 #include "libcore/follow/branch_nodes.hpp"
 #include "libcore/follow/paper_traversal.hpp"
-#include "libcore/shard/load.hpp"
 #include "libcore/shard/reader.hpp"
 #include "libcore/shard/schema.hpp"
 #include "tests/fuzz/fuzz.hpp"

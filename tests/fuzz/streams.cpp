@@ -6,10 +6,10 @@
 #include <cstring>
 
 #include "libcore/device/keyboard.hpp"
-#include "libcore/device/process_messages.hpp"
-#include "libcore/scene/imd_protocol.hpp"
+#include "libcore/device/process_device.hpp"
 #include "libcore/scene/stream.hpp"
 #include "tests/fuzz/fuzz.hpp"
+#include "tools/view/imd_protocol.hpp"
 
 using namespace hapgrid;
 using Bytes = std::span<const std::uint8_t>;

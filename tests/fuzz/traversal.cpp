@@ -12,7 +12,6 @@
 #include <iostream>
 #include <memory>
 
-#include "libcore/check/continuous.hpp"
 #include "libcore/check/invariants.hpp"
 #include "libcore/check/passive.hpp"
 #include "libcore/follow/branch_traversal.hpp"

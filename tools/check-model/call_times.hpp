@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "libcore/check/estimate.hpp"
+#include "tools/check-model/estimate.hpp"
 
 namespace hapgrid {
 

@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
-#include <numeric>
 #include <string>
 #include <utility>
 
@@ -16,7 +15,6 @@
 #include "libcore/check/force_check.hpp"
 #include "libcore/check/snaps.hpp"
 #include "libcore/grid/describe.hpp"
-#include "libcore/grid/direction.hpp"
 #include "libcore/grid/state_distance.hpp"
 #include "libcore/grid/vec3.hpp"
 #include "libcore/search/converter.hpp"
@@ -38,8 +36,6 @@ constexpr double kStoredRounding = 1e-6;
 constexpr std::size_t kTogether = 256;
 constexpr double kTogetherShare = 0.1;
 
-constexpr std::uint64_t kWalkSeed = 1;
-
 double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -47,9 +43,8 @@ double now() {
 /// The direction of the next step from one grid point straight to another; the points differ.
 int direction_to(const Box& box, PointIndex from, PointIndex to) {
   const GridCoordinates a = box.coordinates(from), b = box.coordinates(to);
-  int d[3];
-  for (int i = 0; i < 3; ++i) d[i] = b[i] > a[i] ? 1 : b[i] < a[i] ? -1 : 0;
-  return Direction::of(d[0], d[1], d[2]).q();
+  const auto sign = [&](int i) { return (b[i] > a[i]) - (b[i] < a[i]); };
+  return Direction::of(sign(0), sign(1), sign(2)).q();
 }
 
 class ModelWalker {
@@ -66,7 +61,7 @@ class ModelWalker {
         distance_(spec, [this](const double* a, const double* b) { return model_->equal(a, b); }),
         forces_(spec, *model_),
         around_(spec.box),
-        random_(kWalkSeed),
+        random_(1),
         other_(spec.row_size()) {}
 
   ModelCheck run() {
@@ -95,17 +90,15 @@ class ModelWalker {
       auto seed = seeds_.begin();
       std::advance(seed, static_cast<std::ptrdiff_t>(random_.below(seeds_.size())));
       point_ = seed->first;
-      const std::size_t n = spec_.state_size;
-      const std::size_t level = random_.below(seed->second.size() / n);
-      state_.assign(seed->second.begin() + static_cast<std::ptrdiff_t>(level * n),
-                    seed->second.begin() + static_cast<std::ptrdiff_t>((level + 1) * n));
+      const std::size_t n = spec_.state_size, level = random_.below(seed->second.size() / n);
+      const double* const known = &seed->second[level * n];
+      state_.assign(known, known + n);
       // A walk has several targets: the next leg starts where the last one ended.
       for (int leg = 0; leg < kLegs && steps < most_steps_; ++leg) {
         const auto target = static_cast<PointIndex>(random_.below(spec_.box.points()));
-        while (leg < kLegs && point_ != target && steps < most_steps_) {
+        for (; leg < kLegs && point_ != target && steps < most_steps_; ++steps) {
           if (steps > 0 && is_late()) return;
           memory_.look(steps, [&] { return model_->memory_bytes(); });
-          ++steps;
           if (!step(direction_to(spec_.box, point_, target))) leg = kLegs;
         }
       }
@@ -333,31 +326,30 @@ class ModelWalker {
           "below the tolerance, {}; but no two runs will give the same bytes",
           rounded(largest_rounding_), rounded(spec_.tolerance));
     }
-    if (trial == kAmong && check.found.offenders > 0) {
-      check.is_note = among_rounding_ <= kLastBits * spec_.tolerance;
-      check.meaning += check.is_note
-                           ? format(
-                                 ". The answers differ by up to {}, far below the tolerance, {}; "
-                                 "but other numbers of parts and threads give other bytes",
-                                 rounded(among_rounding_), rounded(spec_.tolerance))
-                           : "";
-      if (check.is_note) check.remark = "C's last bits depend on what is asked beside it";
+    if (trial == kAmong && check.found.offenders > 0 &&
+        among_rounding_ <= kLastBits * spec_.tolerance) {
+      check.is_note = true;
+      check.remark = "C's last bits depend on what is asked beside it";
+      check.meaning += format(
+          ". The answers differ by up to {}, far below the tolerance, {}; but other numbers of "
+          "parts "
+          "and threads give other bytes",
+          rounded(among_rounding_), rounded(spec_.tolerance));
     }
-    if (trial == kSnaps) check.remark = remark_on_snaps(check.found);
     if (trial == kHalves) judge_halves(check, apart_, spec_);
     if (trial == kReturns) check.figures = {exactness(returned_, spec_)};
-    if (trial == kSnaps) judge_snaps(check);
+    if (trial != kSnaps) return;
+    check.remark = remark_on_snaps(check.found);
+    judge_snaps(check);
   }
 
   ModelCheck result() {
     ask_model();
     ModelCheck out;
-    const auto note = [&](std::optional<Check> check) {
+    for (std::optional<Check> check :
+         {note_felt(forces_.has_force(), forces_.largest_force, found_[kFinite].counted),
+          note_spread(returned_, spec_), memory_.note()})
       if (check) out.checks.push_back(std::move(*check));
-    };
-    note(note_felt(forces_.has_force(), forces_.largest_force, found_[kFinite].counted));
-    note(note_spread(returned_, spec_));
-    note(memory_.note());
     out.start_seconds = start_seconds_ + take_first_ones(convert_seconds_);
     out.convert = summary(convert_seconds_);
     out.force = summary(forces_.force_seconds);
@@ -380,24 +372,20 @@ class ModelWalker {
   const std::map<PointIndex, State>& seeds_;
   const std::uint64_t most_steps_;
   const double most_seconds_;
-  double start_ = 0;  // of the walks
-  double start_seconds_ = 0;
-  std::unique_ptr<Model> model_;
-  std::unique_ptr<Model> second_;
+  double start_ = 0, start_seconds_ = 0;  // of the walks; of a model
+  std::unique_ptr<Model> model_, second_;
   StateDistance distance_;
   ForceCheck forces_;
   Neighbourhood around_;
   SplitMix64 random_;
   PointIndex point_ = 0;
-  State state_;
-  State other_;  // a row
+  State state_, other_;  // the second one is a row
   std::array<Findings, kRows.size()> found_;
   std::vector<double> convert_seconds_;
-  std::vector<double> apart_;     // by how much halves differ, where they do
-  std::vector<double> returned_;  // how far from where they began
-  std::vector<Made> steps_;       // the first ones, to be asked again
-  double largest_rounding_ = 0;   // of C, asked again
-  double among_rounding_ = 0;     // of C, asked among others
+  std::vector<double> apart_;                         // by how much halves differ, where they do
+  std::vector<double> returned_;                      // how far from where they began
+  std::vector<Made> steps_;                           // the first ones, to be asked again
+  double largest_rounding_ = 0, among_rounding_ = 0;  // of C, asked again; asked among others
   MemoryLog memory_;
 };
 

@@ -8,7 +8,7 @@
 #include <system_error>
 #include <utility>
 
-#include "libcore/base/table.hpp"
+#include "libcore/base/text.hpp"
 #include "tools/common/spelling.hpp"
 
 namespace hapgrid {

@@ -16,7 +16,7 @@
 
 #include "libcore/base/file.hpp"
 #include "libcore/base/format.hpp"
-#include "libcore/base/json_text.hpp"
+#include "libcore/base/json.hpp"
 #include "tools/common/tool.hpp"
 
 namespace hapgrid {

@@ -44,7 +44,7 @@
 #include <system_error>
 #include <utility>
 
-#include "libcore/base/family.hpp"
+#include "libcore/base/child.hpp"
 #include "libcore/device/guard_words.hpp"
 #include "libcore/device/let_go.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "libcore/search/frontier.hpp"
+#include "libcore/search/expand.hpp"
 
 namespace hapgrid {
 

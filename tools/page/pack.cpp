@@ -12,7 +12,7 @@
 #include "libcore/base/format.hpp"
 #include "libcore/base/parallel.hpp"
 #include "libcore/base/text.hpp"
-#include "libcore/follow/playable.hpp"
+#include "libcore/check/invariants.hpp"
 #include "libcore/model/fields.hpp"
 #include "tools/common/node_forces.hpp"
 #include "tools/common/traversals.hpp"

@@ -6,7 +6,7 @@
 
 #include "libcore/model/model.hpp"
 #include "libcore/scene/scene.hpp"
-#include "libcore/shard/load.hpp"
+#include "libcore/shard/reader.hpp"
 
 namespace hapgrid {
 

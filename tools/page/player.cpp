@@ -17,9 +17,8 @@
 #include "libcore/follow/branch_traversal.hpp"
 #include "libcore/follow/node_force.hpp"
 #include "libcore/loop/responder.hpp"
-#include "libcore/scene/bonds.hpp"
 #include "libcore/scene/drawing.hpp"
-#include "libcore/scene/torsion.hpp"
+#include "libcore/scene/scene.hpp"
 #include "tools/page/packed_grid.hpp"
 
 using namespace hapgrid;

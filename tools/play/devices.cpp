@@ -15,7 +15,6 @@
 #include "libcore/base/text.hpp"
 #include "libcore/device/keyboard.hpp"
 #include "libcore/device/path.hpp"
-#include "libcore/device/replay.hpp"
 #include "libcore/loop/mapping.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/play/simulation.hpp"

@@ -15,7 +15,6 @@
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
 #include "libcore/base/format.hpp"
-#include "libcore/base/table.hpp"
 #include "libcore/base/text.hpp"
 
 namespace hapgrid {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "libcore/shard/load.hpp"
+#include "libcore/shard/reader.hpp"
 #include "tools/play/session_log.hpp"
 #include "tools/play/text_log.hpp"
 

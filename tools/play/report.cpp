@@ -7,8 +7,8 @@
 
 #include "libcore/base/file.hpp"
 #include "libcore/base/format.hpp"
-#include "libcore/base/json_text.hpp"
-#include "libcore/base/table.hpp"
+#include "libcore/base/json.hpp"
+#include "libcore/base/text.hpp"
 
 namespace hapgrid {
 

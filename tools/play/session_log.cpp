@@ -7,7 +7,6 @@
 #include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
 #include "libcore/base/json.hpp"
-#include "libcore/base/json_text.hpp"
 #include "tools/play/beside.hpp"
 
 namespace hapgrid {

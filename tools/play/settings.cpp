@@ -11,7 +11,6 @@
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
 #include "libcore/base/format.hpp"
-#include "libcore/base/table.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/base/toml.hpp"
 #include "tools/common/spelling.hpp"

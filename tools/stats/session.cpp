@@ -11,13 +11,11 @@
 #include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
 #include "libcore/base/json.hpp"
-#include "libcore/base/json_text.hpp"
-#include "libcore/base/table.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/grid/describe.hpp"
 #include "libcore/session/reader.hpp"
-#include "libcore/session/statistics.hpp"
 #include "tools/stats/arrays.hpp"
+#include "tools/stats/log_statistics.hpp"
 
 namespace hapgrid {
 

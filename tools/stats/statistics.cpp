@@ -10,8 +10,6 @@
 #include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
 #include "libcore/base/json.hpp"
-#include "libcore/base/json_text.hpp"
-#include "libcore/base/table.hpp"
 #include "libcore/base/text.hpp"
 
 namespace hapgrid {

@@ -7,7 +7,6 @@
 
 #include "libcore/base/format.hpp"
 #include "libcore/check/accuracy.hpp"
-#include "libcore/check/continuous.hpp"
 #include "libcore/check/fidelity.hpp"
 #include "libcore/check/gradient.hpp"
 #include "libcore/check/invariants.hpp"

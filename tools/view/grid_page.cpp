@@ -17,7 +17,7 @@
 #include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/model/plugin_model.hpp"
-#include "libcore/scene/torsion.hpp"
+#include "libcore/scene/scene.hpp"
 #include "tools/page/pack.hpp"
 #include "tools/view/page/page.hpp"
 

@@ -9,8 +9,8 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
-#include "libcore/scene/imd_protocol.hpp"
 #include "tools/common/tool.hpp"
+#include "tools/view/imd_protocol.hpp"
 #include "tools/view/server.hpp"
 
 namespace hapgrid {

@@ -1,5 +1,5 @@
 // view --imd: frames for the viewers of molecules that chemists have, over TCP, to several of them
-// at once (libcore/scene/imd_protocol.hpp). Nothing that a viewer sends reaches the play.
+// at once (tools/view/imd_protocol.hpp). Nothing that a viewer sends reaches the play.
 #pragma once
 
 #include <string>

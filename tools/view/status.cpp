@@ -3,9 +3,8 @@
 #include <cmath>
 
 #include "libcore/base/format.hpp"
-#include "libcore/base/table.hpp"
 #include "libcore/base/text.hpp"
-#include "libcore/scene/torsion.hpp"
+#include "libcore/scene/scene.hpp"
 
 namespace hapgrid {
 

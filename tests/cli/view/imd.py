@@ -3,7 +3,7 @@ must come is made of the frames of the file, which Cap'n Proto's tool has read.
 
 usage: imd.py ball|spring SCHEMA FRAMES [LONG]
 
-What a viewer may say is in unit/scene/imd_protocol_test.cpp and fuzz/.
+What a viewer may say is in unit/view/imd_protocol_test.cpp and fuzz/.
 """
 import json
 import os

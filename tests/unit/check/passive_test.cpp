@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "libcore/check/continuous.hpp"
+#include "libcore/check/invariants.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
 #include "tests/unit/hung_ball/grid.hpp"

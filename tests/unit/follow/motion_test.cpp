@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "libcore/base/error.hpp"
-#include "libcore/follow/playable.hpp"
+#include "libcore/check/invariants.hpp"
 #include "libcore/grid/vec3.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/count_allocations.hpp"

@@ -5,7 +5,6 @@
 #include <random>
 
 #include "libcore/base/error.hpp"
-#include "libcore/grid/grid_builder.hpp"
 #include "tests/unit/catch.hpp"
 
 using namespace hapgrid;
@@ -18,8 +17,9 @@ Grid one_record(const GridCoordinates& counts) {
   spec.box = {{0, 0, 0}, 1, counts};
   spec.state_size = 1;
   const std::vector<Level> links(kDirections, kLeavesBox);
-  return Grid(spec, 0,
-              {.point = {0}, .level = {0}, .generation = {0}, .rows = {0.5}, .links = links});
+  return Grid(
+      spec, 0,
+      RecordColumns{.point = {0}, .level = {0}, .generation = {0}, .rows = {0.5}, .links = links});
 }
 
 }  // namespace

@@ -11,7 +11,6 @@
 #include "libcore/base/histogram.hpp"
 #include "libcore/loop/pacer.hpp"
 #include "libcore/loop/realtime.hpp"
-#include "libcore/loop/watchdog.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/follow/random_grid.hpp"
 

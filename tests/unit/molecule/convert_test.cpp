@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "libcore/grid/vec3.hpp"
-#include "libcore/scene/bonds.hpp"
+#include "libcore/scene/drawing.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/molecule/reference.hpp"
 #include "tools/apps/molecule/conversion.hpp"

@@ -9,7 +9,7 @@
 #include <limits>
 #include <vector>
 
-#include "libcore/scene/bonds.hpp"
+#include "libcore/scene/drawing.hpp"
 #include "libcore/scene/legend.hpp"
 #include "libcore/scene/letters.hpp"
 #include "tests/unit/catch.hpp"
@@ -302,7 +302,7 @@ TEST_CASE(
           CHECK(nearest > ball.radius / 3 + 5);
         }
       }
-      CHECK(all.labels[1].left[1] >= all.labels[0].left[1] + kLetterHeight);
+      CHECK(all.labels[1].left[1] >= all.labels[0].left[1] + 14);
     }
 }
 

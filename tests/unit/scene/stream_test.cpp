@@ -12,7 +12,7 @@
 #include <tuple>
 
 #include "libcore/base/error.hpp"
-#include "libcore/scene/torsion.hpp"
+#include "libcore/scene/scene.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/scene/scenes.hpp"
 
@@ -57,6 +57,7 @@ bool same(const Frame& a, const Frame& b) {
 }
 
 const Bytes kStart = scene_bytes(kScene);
+const char* const kBadSphere = "a sphere whose radius, colour or label is impossible";
 
 }  // namespace
 
@@ -164,9 +165,9 @@ TEST_CASE("values that cannot be are refused") {
   refuses_scene([](Scene& s) { s.state_size = kMaxStateSize + 1; },
                 "a state of 1048577 components");
   refuses_scene([](Scene& s) { s.hip_radius = -1; }, "the radius of the HIP is negative");
-  refuses_scene([](Scene& s) { s.spheres[1].radius = -1; }, "a radius is negative or not finite");
-  refuses_scene([&](Scene& s) { s.spheres[1].radius = static_cast<float>(nan); }, "a radius");
-  refuses_scene([](Scene& s) { s.spheres[1].colour[2] = 1.5F; }, "a colour is not in [0, 1]");
+  refuses_scene([](Scene& s) { s.spheres[1].radius = -1; }, kBadSphere);
+  refuses_scene([&](Scene& s) { s.spheres[1].radius = static_cast<float>(nan); }, kBadSphere);
+  refuses_scene([](Scene& s) { s.spheres[1].colour[2] = INFINITY; }, kBadSphere);
   refuses_scene([](Scene& s) { s.model.assign(256, 'm'); },
                 "a model's name of 256 bytes, the limit is 255");
   refuses_scene(
@@ -175,7 +176,7 @@ TEST_CASE("values that cannot be are refused") {
       },
       "a torsion of sphere 3, which is not there");
   refuses_scene([](Scene& s) { s.torsions.assign(5000, {}); }, "5000 torsions; 4096 are possible");
-  refuses_scene([](Scene& s) { s.spheres[0].label.assign(256, 'm'); }, "a label of 256 bytes");
+  refuses_scene([](Scene& s) { s.spheres[0].label.assign(8, 'm'); }, kBadSphere);
 
   const auto refuses_frame = [](auto&& change, const std::string& what) {
     Frame frame = small_frame(1);

@@ -1,6 +1,5 @@
 // A frontier as FrontierReader reads it, dealt out to parts.
-#include "libcore/search/frontier.hpp"
-
+#include "libcore/search/expand.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/shard/rows.hpp"
 

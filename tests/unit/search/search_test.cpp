@@ -1,5 +1,10 @@
 // The search against the paper's Algorithm 1, written down line by line in reference.hpp.
 #include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <thread>
+#include <vector>
 
 #include "tests/unit/catch.hpp"
 #include "tests/unit/search/shards.hpp"
@@ -77,17 +82,42 @@ TEST_CASE("the failure of a thread ends the work of the others, and reaches the 
   Random random(3);
   const TemporaryDirectory dir;
   write_seed_shard(Case(random), dir.file("seeds"));
-  Progress progress;
-  Converter converter(toy_plugin(), open_grid(dir.file("seeds")).header.spec, 3, progress);
-  for (const bool is_first : {false, true}) {
-    WorkQueue endless(std::uint64_t{1} << 62, converter.models(), 1, progress);
-    std::atomic<int> failures{0};
-    const auto work = [&](Model& model) {
-      if ((&model == &converter.model()) == is_first && failures++ == 0) throw Error("thrown");
-      WorkQueue::Slice mine;
-      for (std::uint64_t item; endless.next(mine, true, item);) {
-      }
-    };
-    CHECK_THROWS_WITH(converter.run(endless, work), "thrown");
+  const GridSpec spec = open_grid(dir.file("seeds")).header.spec;
+  std::atomic<int> made{0};
+  struct Slow : Model {
+    Slow(const GridSpec& of, std::atomic<int>& count, bool fails)
+        : Model(ModelInfo{of, 1, 0, 0, {}}), made(count), throws(fails) {}
+    std::vector<double> known_states(const Vec3&) override { return {}; }
+    bool complete(const Vec3&, double*) override { return true; }
+    bool equal(const double*, const double*) const override { return true; }
+    bool convert(const double*, const Vec3&, const Vec3&, double*) override {
+      if (throws) throw Error("thrown");
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      return ++made > 0;
+    }
+    std::atomic<int>& made;
+    bool throws;
+  };
+  struct Source : ModelSource {
+    const char* kind() const override { return "plug-in"; }
+    std::unique_ptr<Model> create(const std::vector<Parameter>&, const Stored&) const override {
+      return std::make_unique<Slow>(*spec, *made, failing-- == 0);
+    }
+    const GridSpec* spec;
+    std::atomic<int>* made;
+    mutable int failing;
+  };
+  for (const int failing : {0, 2}) {
+    Source source;
+    source.spec = &spec;
+    source.made = &made;
+    source.failing = failing;
+    Progress progress;
+    Converter converter(source, spec, 3, progress);
+    Batch batch(spec);
+    const std::vector<double> state(spec.state_size);
+    while (!batch.is_full()) batch.add(0, 0, state.data(), kAllDirections);
+    CHECK_THROWS_WITH(converter.convert(batch), "thrown");
+    CHECK(static_cast<std::size_t>(made.exchange(0)) < batch.conversions() / 4);
   }
 }

@@ -19,7 +19,7 @@
 #include "libcore/search/expand.hpp"
 #include "libcore/search/merge.hpp"
 #include "libcore/search/seed.hpp"
-#include "libcore/shard/load.hpp"
+#include "libcore/shard/reader.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/search/reference.hpp"
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <fstream>
 
-#include "libcore/device/replay.hpp"
-#include "libcore/session/writer.hpp"
+#include "libcore/device/path.hpp"
+#include "libcore/session/recorder.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/count_allocations.hpp"
 #include "tests/unit/refusal.hpp"

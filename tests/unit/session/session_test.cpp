@@ -4,7 +4,7 @@
 #include <iterator>
 
 #include "libcore/session/reader.hpp"
-#include "libcore/session/writer.hpp"
+#include "libcore/session/recorder.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/refusal.hpp"
 #include "tests/unit/session/ticks.hpp"

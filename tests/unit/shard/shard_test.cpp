@@ -2,7 +2,6 @@
 #include <filesystem>
 #include <fstream>
 
-#include "libcore/shard/load.hpp"
 #include "libcore/shard/reader.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/shard/rows.hpp"

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "libcore/base/error.hpp"
-#include "libcore/base/json_text.hpp"
+#include "libcore/base/json.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/grid/box.hpp"
 #include "tools/apps/molecule/energy.hpp"

@@ -5,14 +5,14 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
-#include "libcore/base/json_text.hpp"
+#include "libcore/base/json.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/device/coupled_hip.hpp"
 #include "libcore/grid/box.hpp"
-#include "libcore/scene/bonds.hpp"
+#include "libcore/scene/drawing.hpp"
 #include "libcore/scene/legend.hpp"
 #include "libcore/scene/light.hpp"
-#include "libcore/scene/torsion.hpp"
+#include "libcore/scene/scene.hpp"
 #include "tools/view/status.hpp"
 
 namespace hapgrid {

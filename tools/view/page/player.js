@@ -13,7 +13,7 @@ async function inflate(text) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-/// As turned_text() in libcore/scene/torsion.cpp.
+/// As turned_text() in libcore/scene/scene.cpp.
 const turnedText = (name, by) => `${name} ${by < 0 ? "−" : "+"}${Math.abs(by).toFixed(0)}°`;
 
 /// What the player shows now, as a frame.

@@ -1,5 +1,5 @@
 // Trajectories.
-#include "libcore/scene/trajectory.hpp"
+#include "tools/view/trajectory.hpp"
 
 #include "tests/unit/catch.hpp"
 #include "tests/unit/scene/scenes.hpp"

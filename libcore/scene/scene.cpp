@@ -1,4 +1,4 @@
-#include "libcore/scene/torsion.hpp"
+#include "libcore/scene/scene.hpp"
 
 #include <array>
 #include <cmath>

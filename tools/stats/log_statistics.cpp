@@ -1,4 +1,4 @@
-#include "libcore/session/statistics.hpp"
+#include "tools/stats/log_statistics.hpp"
 
 #include <bit>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "libcore/scene/imd_protocol.hpp"
+#include "tools/view/imd_protocol.hpp"
 
 #include <arpa/inet.h>
 

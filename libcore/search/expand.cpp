@@ -1,4 +1,4 @@
-#include "libcore/search/frontier.hpp"
+#include "libcore/search/expand.hpp"
 
 #include <algorithm>
 #include <bit>

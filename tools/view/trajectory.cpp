@@ -1,4 +1,4 @@
-#include "libcore/scene/trajectory.hpp"
+#include "tools/view/trajectory.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "libcore/check/estimate.hpp"
+#include "tools/check-model/estimate.hpp"
 
 #include <sys/mman.h>
 

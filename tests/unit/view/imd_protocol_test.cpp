@@ -1,5 +1,5 @@
 // The bytes of IMD against literals, written by hand from the protocol's text.
-#include "libcore/scene/imd_protocol.hpp"
+#include "tools/view/imd_protocol.hpp"
 
 #include <random>
 #include <string>
