@@ -91,6 +91,15 @@ with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder, Browser(
     at_rest = page.value("frames[frames.length - 1].time")
     time.sleep(0.5)
     assert page.value("frames[frames.length - 1].time") == at_rest
+    # What is drawn is not drawn again, but for a picture that is saved.
+    assert page.value("(draw(), isDrawn(frames[shown]))")
+    assert page.value("""(() => {
+      const kept = [], [before, context] = [download, gl];
+      download = (_, address) => kept.push(address.length);
+      for (gl of [context, null]) save();
+      [download, gl] = [before, context];
+      return kept[0] > 1.5 * kept[1];
+    })()""")
     page.value("nextLevel()")
     page.wait(f"frames[frames.length - 1].time > {at_rest}")
     saves(browser, page, os.getcwd())

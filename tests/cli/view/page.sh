@@ -42,8 +42,8 @@ chromium_once() {
     --user-data-dir="$work/browser" --window-size=400,573 --virtual-time-budget=200 --enable-logging=stderr \
     "$@" 2>messages
 }
-# The page draws triangles, so that rims differ, and lines a pixel wide. Much differ 8 of 1,000 (measured), and 70
-# as soon as the view is a degree off.
+# Rims and lines differ, which are a pixel wide here. Much differ 8 of 1,000 (measured), and 70 as soon as the view is
+# a degree off.
 browse --screenshot=shot.png "file://$PWD/x.html#t=0.12"
 same "size" "400 x 573" "$(/usr/bin/python3 "$here/png.py" size shot.png)"
 view x.frames --at 0.12 --size 400x300 --png drawn.png

@@ -69,6 +69,7 @@ function download(name, address) {
 }
 
 function save() {
+  drawn = null;  // WebGL keeps a picture no longer than until the page is shown
   draw();
   const picture = document.createElement("canvas");
   const legend = element("legend");

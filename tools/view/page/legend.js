@@ -68,12 +68,14 @@ function nameTurned(c, width, height, frame, place, unit) {
   }
 }
 
+/// With a white edge, so that they are seen on every colour.
+function drawThread(c, line, colour) {
+  for (const [shade, wider] of [["#fff", 2], [colour, 0]]) strokeLines(c, [line], shade, data.hand_line_pixels + wider);
+}
+
 function drawRing(c, [x, y], radius, colour) {
-  c.strokeStyle = colour;
-  c.lineWidth = data.hand_line_pixels;
-  c.beginPath();
-  c.arc(x, y, radius, 0, 2 * Math.PI);
-  c.stroke();
+  const turn = (k) => Math.PI * k / 32;
+  drawThread(c, Array.from({ length: 65 }, (_, k) => [x + radius * Math.cos(turn(k)), y + radius * Math.sin(turn(k))]), colour);
 }
 
 /// A ring where the hand is, and a thread from there to the HIP: the longer, the more the model resists.
@@ -82,7 +84,7 @@ function drawHand(c, frame, place) {
   if (!finite(hand_)) return;
   const at = place(hand_), hip = place(frame.hip);
   const away = Math.hypot(hip[0] - at[0], hip[1] - at[1]);
-  if (away > ring) strokeLines(c, [[at.map((x, i) => x + ring * (hip[i] - x) / away), hip]], data.hand_colour, data.hand_line_pixels);
+  if (away > ring) drawThread(c, [at.map((x, i) => x + ring * (hip[i] - x) / away), hip], data.hand_colour);
   drawRing(c, at, ring, data.hand_colour);
 }
 

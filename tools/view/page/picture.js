@@ -19,16 +19,28 @@ function buildPicture() {
 }
 
 function makeShapes() {
-  // Of many balls each is small, and nobody sees its corners.
-  const columns = data.spheres.length > 500 ? 16 : 48;
+  const balls = { ball: 4, tint: 3 }, columns = Math.ceil(Math.sqrt(Math.max(1, data.spheres.length)));
   shapes = {
-    balls: makeShape(gl, makeProgram(gl, kBallVertex, kSolidFragment), ballMesh(columns), { ball: 4, tint: 3 }),
-    rods: makeShape(gl, makeProgram(gl, kRodVertex, kSolidFragment), rodMesh(), { from: 4, to: 4, tint: 3 }),
+    balls: makeShape(gl, makeProgram(gl, kBallVertex, kBallFragment), squareMesh(), balls),
+    lights: makeShape(gl, makeProgram(gl, kLightVertex, kLightFragment), squareMesh(), balls),
+    rods: makeShape(gl, makeProgram(gl, kRodVertex, kRodFragment), rodMesh(), { from: 4, to: 4, tint: 3 }),
     lines: makeShape(gl, makeProgram(gl, kLineVertex, kLineFragment), squareMesh(), { from: 3, to: 3 }),
     floor: makeShape(gl, makeProgram(gl, kFloorVertex, kFloorFragment), squareMesh(), { place: 4, dark: 1 }),
+    tiles: [columns, Math.ceil(data.spheres.length / columns) || 1], light: gl.createFramebuffer(),
   };
-  gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
-  for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, filter, gl.NEAREST);
+  // The first for the occluders, the second for the light that they leave.
+  const [, light] = [gl.NEAREST, gl.LINEAR].map((filter, unit) => {
+    const texture = gl.createTexture();
+    gl.activeTexture(gl.TEXTURE0 + unit);
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, filter);
+    return texture;
+  });
+  gl.texStorage2D(gl.TEXTURE_2D, 1, gl.R8, ...shapes.tiles.map((n) => kTile * n));
+  gl.bindFramebuffer(gl.FRAMEBUFFER, shapes.light);
+  gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, light, 0);
+  gl.activeTexture(gl.TEXTURE0);
+  drawn = null;
 }
 
 const sphere = (frame, k) => Array.from(frame.centres.subarray(3 * k, 3 * k + 3));
@@ -43,26 +55,31 @@ function boxEdges() {
   return edges;
 }
 
-/// The halves of the sticks, each in the colour of its end, and the arrow, which begins outside the HIP.
-function rodsOf(frame) {
+/// The halves of the sticks, each in the colour of its end.
+function sticksOf(frame) {
   const rods = [];
-  for (const ends of sticks ? frame.bonds : []) {
+  for (const ends of frame.bonds) {
     const [from, to] = ends.map((k) => sphere(frame, k));
     const middle = plus(from, plus(to, from, -1), 0.5);
     const radius = data.stick_part * Math.min(...ends.map((k) => data.spheres[k][0]));
     [from, to].forEach((end, n) => rods.push(...end, radius, ...middle, radius, ...data.spheres[ends[n]].slice(1)));
   }
-  const [length, shaft, wide, head] = frame.arrow;
-  if (!(length > 0) || !finite(frame.hip)) return rods;
-  const at = (t) => plus(frame.hip, frame.force, (data.hip_radius + t) / frame.size);
-  const neck = at(length - head);
-  rods.push(...at(0), shaft, ...neck, shaft, ...data.force_rgb, ...neck, wide, ...at(length), 0, ...data.force_rgb);
   return rods;
 }
 
-/// For each ball the others that darken it most, as find_occluders() in render.cpp finds them, in a texture.
-function placeOccluders(places) {
-  const most = data.most_occluders, texels = new Float32Array(4 * most * Math.max(places.length, 1));
+/// The arrow, which begins outside the HIP.
+function arrowOf(frame) {
+  const [length, shaft, wide, head] = frame.arrow;
+  if (!(length > 0) || !finite(frame.hip)) return [];
+  const at = (t) => plus(frame.hip, frame.force, (data.hip_radius + t) / frame.size);
+  const neck = at(length - head);
+  return [...at(0), shaft, ...neck, shaft, ...data.force_rgb, ...neck, wide, ...at(length), 0, ...data.force_rgb];
+}
+
+/// For each ball the others that darken it most, as find_occluders() in render.cpp finds them, in a texture; and of each
+/// ball the light that they leave to what is seen of it, in another.
+function drawLights(places, balls, uniforms) {
+  const most = data.most_occluders, texels = new Float32Array(4 * most * places.length);
   places.forEach(([k, at], i) => {
     const near = [];
     for (const [n, other] of places) {
@@ -72,7 +89,10 @@ function placeOccluders(places) {
     near.sort((a, b) => a[0] - b[0] || a[1] - b[1]);
     near.slice(0, most).forEach((one, n) => texels.set(one.slice(2), 4 * (most * i + n)));
   });
-  gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, most, Math.max(places.length, 1), 0, gl.RGBA, gl.FLOAT, texels);
+  gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, most, places.length, 0, gl.RGBA, gl.FLOAT, texels);
+  gl.bindFramebuffer(gl.FRAMEBUFFER, shapes.light);
+  gl.viewport(0, 0, ...shapes.tiles.map((n) => kTile * n));
+  shapes.lights(balls, uniforms);
 }
 
 function floorOf(balls) {
@@ -82,28 +102,45 @@ function floorOf(balls) {
   return [shadows, [x, y, data.high[0] - x, data.high[1] - y, 0]];
 }
 
+let drawn = null;  // what the picture depends on, when it was drawn last
+
+/// Whether the picture that is there shows this frame: nothing is elsewhere by a part of a pixel.
+function isDrawn(frame) {
+  const before = drawn, tip = frame.size > 0 ? plus(frame.hip, frame.force, frame.arrow[0] / frame.size) : frame.hip;
+  drawn = { look: JSON.stringify([view, sticks, ...pictureSize(), window.devicePixelRatio, data.hip_radius]), places: [...frame.hip, ...tip, ...frame.centres] };
+  if (before === null || before.look !== drawn.look || before.places.length !== drawn.places.length) return false;
+  const least = pixel() / 10;
+  const same = drawn.places.every((x, i) => Math.abs(x - before.places[i]) <= least || (!Number.isFinite(x) && !Number.isFinite(before.places[i])));
+  if (same) drawn = before;
+  return same;
+}
+
 function drawPicture(frame) {
+  if (isDrawn(frame)) return;
   const near = view.axes[2], [width, height] = pictureSize(), unit = pixel();
   const size = setSize(gl.canvas, width, height);
-  gl.viewport(0, 0, ...size);
-  gl.clearColor(1, 1, 1, 1);
-  gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
 
   const places = data.spheres.map((_, k) => [k, sphere(frame, k)]).filter(([, at]) => finite(at));
   const deep = [...places.map(([, at]) => at), ...[0, 1, 2, 3, 4, 5, 6, 7].map(boxCorner)].map((at) => dot(near, plus(at, view.centre, -1)));
   const farthest = deep.reduce((a, b) => Math.max(a, Math.abs(b)), 0) + 4 * data.extent[0] + 4 * data.extent[1];
   const uniforms = {
-    axes: view.axes.flat(), centre: view.centre, low: data.low, high: data.high, window: size,
-    scale: [2 / (unit * width), 2 / (unit * height), -1 / farthest],
+    axes: view.axes.flat(), centre: view.centre, low: data.low, high: data.high, window: size, tiles: shapes.tiles,
+    scale: [2 / (unit * width), 2 / (unit * height), -1 / farthest], dot_size: unit / window.devicePixelRatio,
     depths: [deep.reduce((a, b) => Math.max(a, b)), deep.reduce((a, b) => Math.min(a, b))],
-    opacity: 1, rim: 0, occluded: false,
+    opacity: 1, rim: 0, edge: 0, occluded: false,
   };
-  const balls = places.flatMap(([k, at]) => [...at, drawnRadius(k), ...data.spheres[k].slice(1)]), rods = rodsOf(frame);
-  const shaded = places.length <= data.most_shaded;
-  if (shaded) placeOccluders(places);
+  const balls = places.flatMap(([k, at]) => [...at, drawnRadius(k), ...data.spheres[k].slice(1)]);
+  const rods = sticks ? sticksOf(frame) : [], arrow = arrowOf(frame);
+  const occluded = places.length > 0 && places.length <= data.most_shaded;
+  gl.disable(gl.DEPTH_TEST);
+  gl.disable(gl.BLEND);
+  if (occluded) drawLights(places, balls, uniforms);
+  gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+  gl.viewport(0, 0, ...size);
+  gl.clearColor(1, 1, 1, 1);
+  gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
 
   const rim = unit * letterScale();
-  gl.disable(gl.DEPTH_TEST);
   gl.enable(gl.BLEND);
   const hasHip = finite(frame.hip);
   const shadows = places.map(([k, at]) => [at, drawnRadius(k)]);
@@ -119,12 +156,14 @@ function drawPicture(frame) {
   gl.disable(gl.BLEND);
   gl.enable(gl.DEPTH_TEST);
   gl.depthFunc(gl.LESS);
+  gl.enable(gl.SAMPLE_ALPHA_TO_COVERAGE);
+  shapes.balls(balls, { ...uniforms, rim, occluded });
   gl.enable(gl.CULL_FACE);
-  shapes.balls(balls, { ...uniforms, rim });
   shapes.rods(rods, { ...uniforms, rim });
-  shapes.balls(balls, { ...uniforms, occluded: shaded });
-  shapes.rods(rods, uniforms);
+  shapes.rods(arrow, { ...uniforms, rim: 1.5 * rim, edge: 1 });
+  shapes.rods([...rods, ...arrow], uniforms);
   gl.disable(gl.CULL_FACE);
+  gl.disable(gl.SAMPLE_ALPHA_TO_COVERAGE);
   gl.enable(gl.BLEND);
   gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
   shapes.lines(boxEdges(), { ...uniforms, rim: data.line_pixels * window.devicePixelRatio * letterScale() });
