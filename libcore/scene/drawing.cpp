@@ -175,7 +175,7 @@ void name_turned(const Scene& scene, const Frame& frame, const Projection& proje
     const Torsion& torsion = scene.torsions[i];
     const Vec3 middle = project(along(sphere_centre(frame, torsion.spheres[1]),
                                       sphere_centre(frame, torsion.spheres[2]), 0.5));
-    if (finite(middle)) names.emplace_back(middle, turned_text(torsion, frame.turned[i]));
+    if (finite(middle)) names.emplace_back(middle, torsion_text(torsion, frame.angles[i]));
   }
   add_names(all, std::move(names), options);
 }

@@ -36,7 +36,7 @@ std::string length_text(const Scene& scene, double length) {
 double names_width(const Scene& scene) {
   double wide = 0;
   for (const Torsion& torsion : scene.torsions)
-    wide = std::max(wide, letters_width(turned_text(torsion, 180)) + 3 * kMargin);
+    wide = std::max(wide, letters_width(torsion_text(torsion, 180)) + 3 * kMargin);
   return wide;
 }
 

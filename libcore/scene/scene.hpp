@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -51,16 +52,18 @@ struct Frame : Snapshot {
   double energy = std::numeric_limits<double>::quiet_NaN();  ///< NaN if the model has none
   double own_energy = energy;  ///< of the model by itself, without the HIP; NaN as well
   std::vector<float> centres;  ///< of the spheres, x y z by sphere
-  /// Degrees in (-180, 180] by which each of the scene's torsions has turned since the first frame
-  /// that the reader got; NaN if it is no angle.
-  std::vector<double> turned;
+  /// Of each of the scene's torsions the angle, in degrees in [-180, 180] (torsion_degrees()), and
+  /// by how many of (-180, 180] it has turned since the first frame that the reader got; NaN if it
+  /// is no angle.
+  std::vector<double> angles, turned;
 };
 
 // The angle of four spheres.
 
 /// Degrees in [-180, 180], positive clockwise when one looks from the second sphere to the third
 /// (IUPAC); NaN where three of the spheres stand on a line or a place is not finite.
-double torsion_degrees(const Torsion& torsion, const Frame& frame);
+/// @param centres of all spheres, x y z by sphere
+double torsion_degrees(const Torsion& torsion, std::span<const float> centres);
 
 /// By how many degrees an angle has turned, in (-180, 180].
 inline double turned_degrees(double first, double now) {
@@ -70,7 +73,7 @@ inline double turned_degrees(double first, double now) {
 /// Pictures name a torsion that has turned by so many degrees or more.
 inline constexpr double kTurned = 10;
 
-/// The name of a torsion, and how far it has turned: "psi +67°".
-std::string turned_text(const Torsion& torsion, double degrees);
+/// The name of a torsion, and its angle: "psi +67°".
+std::string torsion_text(const Torsion& torsion, double degrees);
 
 }  // namespace hapgrid

@@ -224,8 +224,10 @@ bool SceneReader::next(Frame& frame) {
     if (any_frame_ && frame.tick <= last_tick_)
       throw FormatError(format("tick {} after tick {}", frame.tick, last_tick_));
   });
-  std::vector<double> angles;
-  for (const Torsion& torsion : scene_.torsions) angles.push_back(torsion_degrees(torsion, frame));
+  std::vector<double>& angles = frame.angles;
+  angles.clear();
+  for (const Torsion& torsion : scene_.torsions)
+    angles.push_back(torsion_degrees(torsion, frame.centres));
   if (!any_frame_) first_angles_ = angles;
   frame.turned.resize(angles.size());
   for (std::size_t i = 0; i < angles.size(); ++i)

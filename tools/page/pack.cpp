@@ -82,9 +82,9 @@ struct Shapes {
   double low = std::numeric_limits<double>::infinity(), high = -low;
 };
 
-/// Where the hand begins: to the left of the middle, at the nearest grid point at which no force
-/// acts, or at least none that is felt; in the middle where there is none.
-Vec3 free_place(const Grid& grid, const RecordFields& fields, double largest) {
+/// Where the hand begins: to the left of the middle, at the nearest grid point on the viewer's side
+/// at which no force acts, or at least none that is felt; in the middle where there is none.
+Vec3 free_place(const Grid& grid, const RecordFields& fields, double largest, const Vec3& near) {
   const Box& box = grid.box();
   const Vec3 high = box.position({box.counts[0] - 1, box.counts[1] - 1, box.counts[2] - 1});
   const Vec3 middle = 0.5 * (box.origin + high);
@@ -98,7 +98,7 @@ Vec3 free_place(const Grid& grid, const RecordFields& fields, double largest) {
       if (length_of(fields.force[first]) > weak) continue;
       const Vec3 x = box.position(point);
       const double away = length_of(x - wanted);
-      if (away >= least) continue;
+      if (away >= least || dot(near, x - middle) < -1e-9 * box.spacing) continue;
       least = away;
       found = x;
     }
@@ -107,8 +107,32 @@ Vec3 free_place(const Grid& grid, const RecordFields& fields, double largest) {
   return middle;
 }
 
+/// Of the model by itself at each record; none where it has no such energy.
+std::vector<double> own_energies(const Grid& grid, const Fields& fields) {
+  std::vector<double> own;
+  for (RecordIndex r = 0; r < grid.records() && fields.has_own_energy(); ++r)
+    own.push_back(fields.own_energy(grid.row(r)));
+  return own;
+}
+
+std::vector<std::array<double, 72>> profiles_of(const std::vector<Torsion>& torsions,
+                                                Shapes& shapes, const std::vector<double>& own) {
+  std::vector<std::array<double, 72>> profiles(torsions.size());
+  for (std::size_t t = 0; t < torsions.size(); ++t) {
+    auto& profile = profiles[t];
+    profile.fill(std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t r = 0; r < own.size(); ++r) {
+      const double angle = torsion_degrees(torsions[t], shapes.of(static_cast<RecordIndex>(r)));
+      if (!std::isfinite(angle)) continue;
+      const auto bin = static_cast<std::size_t>((angle + 180) / 360 * 72) % 72;
+      profile[bin] = std::fmin(profile[bin], own[r]);
+    }
+  }
+  return profiles;
+}
+
 void append_columns(std::string& out, const Grid& grid, const RecordFields& fields, double lowest,
-                    const PackedHead& head, Shapes& shapes) {
+                    const PackedHead& head, Shapes& shapes, const std::vector<double>& own) {
   const std::size_t records = grid.records();
   const auto at = [](std::size_t r) { return static_cast<RecordIndex>(r); };
   append_column<std::uint8_t>(out, grid.box().points(), [&](std::size_t p) {
@@ -122,6 +146,8 @@ void append_columns(std::string& out, const Grid& grid, const RecordFields& fiel
   for (std::size_t a = 0; a < 3; ++a)
     append_column<std::uint32_t>(out, records,
                                  [&](std::size_t r) { return bits_of(fields.force[r][a]); });
+  if (!own.empty())
+    append_column<std::uint32_t>(out, records, [&](std::size_t r) { return bits_of(own[r]); });
   for (std::size_t c = 0; c < 3 * shapes.spheres; ++c)
     if (shapes.moves[c / 3])
       append_column<std::uint16_t>(out, records, [&](std::size_t r) {
@@ -131,7 +157,7 @@ void append_columns(std::string& out, const Grid& grid, const RecordFields& fiel
 }
 
 std::string packed_bytes(const Grid& grid, const RecordFields& fields, std::optional<double> lowest,
-                         const Scene& scene, Shapes& shapes) {
+                         const Scene& scene, Shapes& shapes, const std::vector<double>& own) {
   PackedHead head{};
   for (int a = 0; a < 3; ++a) {
     head.origin[a] = scene.box.origin[a];
@@ -148,6 +174,7 @@ std::string packed_bytes(const Grid& grid, const RecordFields& fields, std::opti
   head.spheres = static_cast<std::uint32_t>(shapes.spheres);
   head.torsions = static_cast<std::uint32_t>(scene.torsions.size());
   head.by_energy = lowest.has_value();
+  head.has_own = !own.empty();
   std::string out;
   append(out, head);
   for (std::size_t k = 0; k < shapes.spheres; ++k) {
@@ -155,7 +182,7 @@ std::string packed_bytes(const Grid& grid, const RecordFields& fields, std::opti
     append(out, PackedSphere{scene.spheres[k].radius, {x[0], x[1], x[2]}, shapes.moves[k]});
   }
   for (const Torsion& torsion : scene.torsions) append(out, torsion.spheres);
-  append_columns(out, grid, fields, lowest.value_or(0), head, shapes);
+  append_columns(out, grid, fields, lowest.value_or(0), head, shapes, own);
   return out;
 }
 
@@ -171,7 +198,8 @@ std::string spacing_for(const GridSpec& spec, double part) {
   return spec.length_unit.empty() ? text : text + " " + printable_line(spec.length_unit);
 }
 
-PackedGrid pack_grid(const Grid& grid, const std::string& name, const MakeModel& create) {
+PackedGrid pack_grid(const Grid& grid, const std::string& name, const MakeModel& create,
+                     const Vec3& near) {
   require_playable(grid, name);
   const GridSpec& spec = grid.spec();
   const Fields fields(spec, create, /*wants_shape=*/true);
@@ -203,14 +231,17 @@ PackedGrid pack_grid(const Grid& grid, const std::string& name, const MakeModel&
     packed.lowest = *std::min_element(of_records.energy.begin(), of_records.energy.end());
 
   Frame& first = packed.first;
-  const Vec3 start = free_place(grid, of_records, packed.scene.largest_force);
+  const Vec3 start = free_place(grid, of_records, packed.scene.largest_force, near);
   traversal->start(start);
   first.position = first.hip = first.hand = start;
   first.row.assign(traversal->row().begin(), traversal->row().end());
   first.centres.resize(3 * fields.spheres().size());
   fields.shape(start, traversal->row(), first.centres);
   Shapes shapes(grid, fields);
-  packed.bytes = packed_bytes(grid, of_records, packed.lowest, packed.scene, shapes);
+  packed.snaps = grid.records() > grid.box().points();
+  const std::vector<double> own = own_energies(grid, fields);
+  packed.profiles = profiles_of(packed.scene.torsions, shapes, own);
+  packed.bytes = packed_bytes(grid, of_records, packed.lowest, packed.scene, shapes, own);
   return packed;
 }
 

@@ -7,8 +7,9 @@
 // are zeros. Numbers are little-endian.
 //
 // The states are left out, since neither branches nor snaps nor forces look at them. The rows of
-// the unpacked grid are what is seen instead: the places of the spheres that move, which the player
-// interpolates as play interpolates states.
+// the unpacked grid are what is seen instead: the model's own energy, where it has one, as a state
+// of one number, and the places of the spheres that move. The player interpolates them as play
+// interpolates states.
 #pragma once
 
 #include <cstdint>
@@ -30,7 +31,8 @@ struct PackedHead {
   std::uint32_t records;
   std::uint32_t spheres;
   std::uint32_t torsions;
-  std::uint64_t by_energy;  ///< the force is the gradient of the energy; else the records' mean
+  std::uint32_t by_energy;  ///< the force is the gradient of the energy; else the records' mean
+  std::uint32_t has_own;    ///< the model has an energy of its own
 };
 struct PackedSphere {
   float radius;
@@ -40,7 +42,8 @@ struct PackedSphere {
 // Then the four spheres of each torsion (4 bytes each), and the columns: by point the number of its
 // levels (1 byte); by record the destination of each of the 26 directions (1 each),
 // the energy above the lowest in newtons times the spacing (float), the force along x, y
-// and z (float), and x y z of each sphere that moves (2).
+// and z (float), the model's own energy in its unit, if it has one (float), and x y z of each
+// sphere that moves (2).
 
 struct UnpackedGrid {
   Grid grid;

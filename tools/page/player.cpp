@@ -63,7 +63,6 @@ struct Player {
   CoupledHip hip;
   std::uint64_t ticks = 0;
   Frame frame;
-  std::vector<double> angles;  // of the torsions in the first picture
 };
 
 /// What the page reads of the last tick, and of the last picture; doubles, so that JavaScript sees
@@ -74,7 +73,8 @@ struct Shown {
   std::array<double, 8> levels{};
   double energy = 0;  ///< above the lowest of the grid, in newtons times the unit of length
   std::array<double, 4> arrow{};
-  double bonds = 0;  ///< how many
+  double bonds = 0;                                       ///< how many
+  double own = std::numeric_limits<double>::quiet_NaN();  ///< energy, of the model by itself
 } shown;
 
 std::optional<Player> player;
@@ -98,20 +98,19 @@ void Player::show() {
   const Scene& scene = unpacked.scene;
   frame.position = shown.position;
   frame.force = shown.sent;
+  // A model's own energy is where else the state is.
+  const std::size_t first = unpacked.grid.state_size();
+  if (first > 0) shown.own = traversal.row()[0];
   for (std::size_t i = 0; i < unpacked.moved.size(); ++i)
-    frame.centres[unpacked.moved[i]] = static_cast<float>(traversal.row()[i]);
+    frame.centres[unpacked.moved[i]] = static_cast<float>(traversal.row()[first + i]);
   shown.energy =
       unpacked.by_energy ? force.energy(traversal) : std::numeric_limits<double>::quiet_NaN();
   shown.arrow = arrow_sizes(scene, frame, {});
   bonds = find_bonds(scene, frame);
   shown.bonds = static_cast<double>(bonds.size());
-  const bool is_first = angles.empty();
-  frame.turned.resize(scene.torsions.size());
-  for (std::size_t i = 0; i < scene.torsions.size(); ++i) {
-    const double angle = torsion_degrees(scene.torsions[i], frame);
-    if (is_first) angles.push_back(angle);
-    frame.turned[i] = turned_degrees(angles[i], angle);
-  }
+  frame.angles.clear();
+  for (const Torsion& torsion : scene.torsions)
+    frame.angles.push_back(torsion_degrees(torsion, frame.centres));
 }
 
 }  // namespace
@@ -147,5 +146,5 @@ EXPORT(show) void show() { player->show(); }
 EXPORT(shown_at) const Shown* shown_at() { return &shown; }
 EXPORT(way_at) const Vec3* way_at() { return way.data(); }
 EXPORT(centres_at) const float* centres_at() { return player->frame.centres.data(); }
-EXPORT(turned_at) const double* turned_at() { return player->frame.turned.data(); }
+EXPORT(angles_at) const double* angles_at() { return player->frame.angles.data(); }
 EXPORT(bonds_at) const std::array<std::uint32_t, 2>* bonds_at() { return bonds.data(); }

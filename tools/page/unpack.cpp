@@ -63,7 +63,7 @@ UnpackedGrid unpack_grid(const unsigned char* from) {
     spec.box.counts[a] = head.counts[a];
   }
   spec.box.spacing = head.spacing;
-  spec.state_size = 0;
+  spec.state_size = head.has_own;
   spec.max_levels = kMaxLevels;
   spec.stored.shape = true;
   Scene scene;
@@ -84,7 +84,7 @@ UnpackedGrid unpack_grid(const unsigned char* from) {
     scene.torsions.emplace_back().spheres = read_one<std::array<std::uint32_t, 4>>(from);
   spec.spheres.resize(moved.size() / 3);
 
-  const std::size_t records = head.records, row_size = moved.size();
+  const std::size_t records = head.records, row_size = head.has_own + moved.size();
   RecordColumns columns;
   columns.point.reserve(records);
   columns.level.reserve(records);
@@ -98,7 +98,11 @@ UnpackedGrid unpack_grid(const unsigned char* from) {
   read_links(from, head, columns);
   RecordFields fields = read_fields(from, head);
   columns.rows.resize(records * row_size);
-  for (std::size_t c = 0; c < row_size; ++c)
+  if (head.has_own != 0)
+    read_column<std::uint32_t>(from, records, [&](std::size_t r, std::uint32_t bits) {
+      columns.rows[r * row_size] = double{std::bit_cast<float>(bits)};
+    });
+  for (std::size_t c = head.has_own; c < row_size; ++c)
     read_column<std::uint16_t>(from, records, [&](std::size_t r, std::uint16_t steps) {
       columns.rows[r * row_size + c] = head.shape_low + head.shape_step * steps;
     });

@@ -70,13 +70,16 @@ nlohmann::ordered_json player_data(const PackedGrid& packed, const std::string& 
       {"energy_unit", scene.energy_unit.empty() ? "" : counted_unit(scene.energy_unit, 2)},
       {"force_scale", packed.lowest ? packed.force_scale : 0},
       {"lowest", packed.lowest.value_or(0)},
-      {"turned", kTurned},
+      {"snaps", packed.snaps},
       {"torsions", nlohmann::json::array()},
       {"grid",
        printable_line(grid == "-" ? scene.model : std::filesystem::path(grid).filename().string())},
       {"version", HAPGRID_VERSION}};
-  for (const Torsion& t : scene.torsions)
-    data["torsions"].push_back({t.spheres[1], t.spheres[2], printable_line(t.name, 24)});
+  for (std::size_t i = 0; i < scene.torsions.size(); ++i) {
+    const Torsion& t = scene.torsions[i];
+    data["torsions"].push_back(
+        {t.spheres[1], t.spheres[2], printable_line(t.name, 24), packed.profiles[i]});
+  }
   return data;
 }
 
@@ -106,9 +109,11 @@ std::string grid_page(const std::string& grid, const std::vector<std::string>& p
   const LoadedGrid loaded = load_grid(grid);
   const GridSpec& spec = loaded.grid.spec();
   const std::string name = grid == "-" ? "standard input" : grid;
-  const PackedGrid packed = pack_grid(loaded.grid, name, [&] {
-    return Plugin(spec.model, model_path(path)).create(spec.parameters);
-  });
+  Camera camera;
+  camera.azimuth_degrees = render.azimuth_degrees;
+  camera.elevation_degrees = render.elevation_degrees;
+  const auto create = [&] { return Plugin(spec.model, model_path(path)).create(spec.parameters); };
+  const PackedGrid packed = pack_grid(loaded.grid, name, create, PictureAxes(camera).near);
   nlohmann::ordered_json data = page_scene(packed.scene, packed.first, render);
   data["own"] = player_data(packed, grid);
   std::string text = page_text(

@@ -23,7 +23,7 @@ std::string status_text(const Scene& scene, const Frame& frame) {
     if (std::abs(frame.turned[i]) >= (farthest < i ? std::abs(frame.turned[farthest]) : kTurned))
       farthest = i;
   if (farthest < frame.turned.size())
-    text += "   " + turned_text(scene.torsions[farthest], frame.turned[farthest]);
+    text += "   " + torsion_text(scene.torsions[farthest], frame.angles[farthest]);
   return text;
 }
 

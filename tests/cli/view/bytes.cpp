@@ -22,7 +22,7 @@ Scene scattered(Frame& frame) {
     frame.centres.insert(frame.centres.end(), {at(7, 23), at(11, 19), at(3, 17)});
   }
   scene.torsions.push_back({.spheres = {0, 1, 2, 3}, .name = "C1-C2-C3-C4"});
-  frame.turned = {67};
+  frame.turned = frame.angles = {67};
   frame.position = {1.1, -2.1, 0.3};
   frame.hand = {1.9, -2.3, 1.7};
   frame.force = {0.3, -0.7, 0.2};

@@ -62,7 +62,7 @@ TEST_CASE("levels, links, forces and energies come back, and places to a part of
   const bool exact = GENERATE(true, false);
   const GridCoordinates counts = GENERATE(GridCoordinates{7, 5, 6}, GridCoordinates{7, 1, 4});
   const Grid grid = two_branches(counts, exact);
-  const PackedGrid packed = pack_grid(grid, "grid", kNoModel);
+  const PackedGrid packed = pack_grid(grid, "grid", kNoModel, {0, -1, 0});
   const UnpackedGrid got = unpacked(packed);
   CHECK(got.by_energy == exact);
   REQUIRE(got.grid.records() == grid.records());
@@ -91,7 +91,7 @@ TEST_CASE("levels, links, forces and energies come back, and places to a part of
 TEST_CASE("the hand begins where no force acts, to the left, and else in the middle") {
   // Force only where x = 0 has none: that is the plane of the third points.
   const Grid grid = two_branches({7, 5, 6}, true);
-  const PackedGrid packed = pack_grid(grid, "grid", kNoModel);
+  const PackedGrid packed = pack_grid(grid, "grid", kNoModel, {0, -1, 0});
   CHECK(std::abs(packed.first.position[0]) < 1e-12);
   CHECK(packed.first.position[1] == Approx(0.5));
   CHECK(packed.first.centres.size() == 9);

@@ -274,7 +274,7 @@ TEST_CASE(
       };
       stage.frame.turned = {9, 9, 9};
       for (const Label& label : drawn().labels) CHECK(label.text.find("°") == label.text.npos);
-      stage.frame.turned = {-11, 9, -180};
+      stage.frame.turned = stage.frame.angles = {-11, 9, -180};
       const Drawing all = drawn();
       REQUIRE(all.labels.size() > 2);
       const std::size_t phi = all.labels[0].text == "phi −11°" ? 0 : 1;

@@ -92,9 +92,9 @@ TEST_CASE("torsions are followed from the first frame on") {
   };
   for (const double degrees : {-179.0, -90.0, -1.0, 0.0, 60.0, 179.0}) {
     at(degrees);
-    CHECK(torsion_degrees(scene.torsions[0], frame) == Approx(degrees).margin(1e-4));
-    CHECK(torsion_degrees(scene.torsions[1], frame) == Approx(degrees).margin(1e-4));
-    CHECK(std::isnan(torsion_degrees(scene.torsions[2], frame)));
+    CHECK(torsion_degrees(scene.torsions[0], frame.centres) == Approx(degrees).margin(1e-4));
+    CHECK(torsion_degrees(scene.torsions[1], frame.centres) == Approx(degrees).margin(1e-4));
+    CHECK(std::isnan(torsion_degrees(scene.torsions[2], frame.centres)));
   }
   Bytes bytes = scene_bytes(scene);
   const std::vector<std::array<double, 2>> turns{{170, 0}, {-170, 20}, {100, -70}, {-20, 170}};
@@ -107,12 +107,13 @@ TEST_CASE("torsions are followed from the first frame on") {
   for (const auto& [degrees, turned] : turns) {
     REQUIRE(reader.next(frame));
     REQUIRE(frame.turned.size() == 3);
+    CHECK(frame.angles[0] == Approx(degrees).margin(1e-4));
     CHECK(frame.turned[0] == Approx(turned).margin(1e-4));
     CHECK(frame.turned[1] == Approx(turned).margin(1e-4));
     CHECK(std::isnan(frame.turned[2]));
   }
-  CHECK(turned_text(scene.torsions[0], 66.7) == "phi +67°");
-  CHECK(turned_text(scene.torsions[0], -170) == "phi −170°");
+  CHECK(torsion_text(scene.torsions[0], 66.7) == "phi +67°");
+  CHECK(torsion_text(scene.torsions[0], -170) == "phi −170°");
 }
 
 TEST_CASE("a frame is there as soon as its last byte is") {

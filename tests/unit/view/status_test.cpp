@@ -33,7 +33,8 @@ TEST_CASE("the numbers as a line") {
   scene.torsions = {{{}, "phi"}, {{}, "psi"}, {{}, "chi"}};
   frame.energy = 12.345;
   frame.own_energy = 9.06;
-  frame.turned = {-20, 66.7, kNan};
+  frame.angles = {-70, 66.7, kNan};
+  frame.turned = {-20, 166.7, kNan};
   CHECK(status_text(scene, frame) ==
         "t 3.20 s   force 0.5 N   energy 12.3 kJ/mol   model alone 9.06   psi +67°");
   frame.own_energy = kNan;

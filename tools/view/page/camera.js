@@ -32,11 +32,11 @@ function setSize(canvas, width, height) {
 }
 
 /// The size of a pixel in the model's unit. The bar of the force stands at the right, and the names of torsions beside
-/// the model.
+/// the model where there are no strips.
 function pixel() {
   const [width, height] = pictureSize(), scale = letterScale(), [right, up, spheres] = data.extent;
   const bare = Math.max(width - (hasForceBar() ? 80 * scale : 0), 40);
-  const names = Math.min(scale * data.legend.names_width, data.legend.names_part * bare);
+  const names = data.own ? 0 : Math.min(scale * data.legend.names_width, data.legend.names_part * bare);
   return 2 * Math.max(right / bare, up / height, spheres / (bare - 2 * names)) / view.zoom;
 }
 

@@ -9,6 +9,7 @@ function moveHand(right, down, nearer) {
   const [side, up, near] = view.axes, unit = pixel();
   const at = plus(plus(plus(hand, side, unit * right), up, -unit * down), near, nearer);
   hand = at.map((x, a) => clamp(x, data.hand_low[a], data.hand_high[a]));
+  if (!following()) setPlaying(true);
   wake();
   drawSoon();
 }
@@ -51,12 +52,12 @@ function say(text, plate) {
 
 function showHelp() {
   const lines = hand
-    ? ["drag, one finger: the hand. Wheel, near, far: nearer or away.", "right drag, two fingers: turn. Pinch, ctrl + wheel: zoom.",
+    ? ["drag, one finger, arrow keys: the hand. Wheel, near, far, page keys: nearer or away.", "right drag, two fingers: turn. Pinch, ctrl + wheel: zoom.",
        "shift + drag: move the picture. t: a drag turns it.",
-       "The ring is the hand. The ball follows it; where the model resists, the thread grows, and where the model snaps, it shrinks."]
-    : ["drag, one finger: turn. Right drag, two fingers: move. Wheel, pinch: zoom."];
+       "The ring is the hand. The ball follows it; where the model resists, the thread grows, and where the model snaps, it shrinks. Where no force acts it is dashed."]
+    : ["drag, one finger, arrow keys: turn. Right drag, two fingers: move. Wheel, pinch: zoom."];
   if (hand) lines.push("n: the next level of the grid at this place.");
-  lines.push("space: stop, go on.   b: balls and sticks.   r: the first view.   s: save the picture.   h: this help.");
+  lines.push("space: stop, go on.   b: balls and sticks.   r: the first view.   s: save the picture.   h: this help, Esc ends it.");
   if (data.keys) lines.push("In the terminal of play: " + data.keys);
   say(element("say").className ? "" : lines.join("\n"), !element("say").className);
 }
@@ -68,7 +69,25 @@ function download(name, address) {
   link.click();
 }
 
-function save() {
+let sounds = true;  // at a snap
+let audio = null;   // which a browser allows as soon as somebody has touched the page
+
+/// What a snap is for ears and, on a phone, for the fingers.
+function click() {
+  if (!sounds) return;
+  if (navigator.userActivation?.hasBeenActive && !calm()) navigator.vibrate?.(25);
+  if (!audio) return;
+  const tone = audio.createOscillator(), gain = audio.createGain(), now = audio.currentTime;
+  tone.frequency.value = 900;
+  gain.gain.setValueAtTime(0.2, now);
+  gain.gain.exponentialRampToValueAtTime(0.001, now + 0.05);
+  tone.connect(gain).connect(audio.destination);
+  tone.start(now);
+  tone.stop(now + 0.06);
+}
+
+/// The picture with all that is drawn over it.
+function wholePicture() {
   drawn = null;  // WebGL keeps a picture no longer than until the page is shown
   draw();
   const picture = document.createElement("canvas");
@@ -77,7 +96,21 @@ function save() {
   const c = picture.getContext("2d");
   if (gl) c.drawImage(gl.canvas, 0, 0, picture.width, picture.height);
   c.drawImage(legend, 0, 0);
-  download(`hapgrid-${frames.length ? frames[shown].time.toFixed(2) : 0}.png`, picture.toDataURL("image/png"));
+  return picture;
+}
+
+function save() {
+  download(`hapgrid-${frames.length ? frames[shown].time.toFixed(2) : 0}.png`, wholePicture().toDataURL("image/png"));
+}
+
+/// A printer gets what WebGL has drawn as a picture of its own.
+function print_(begins) {
+  document.getElementById("printed")?.remove();
+  if (!begins) return;
+  const picture = wholePicture(), { width, height } = element("legend").style;
+  picture.id = "printed";
+  Object.assign(picture.style, { width, height });
+  element("scene").append(picture);
 }
 
 const actions = {
@@ -86,8 +119,29 @@ const actions = {
   next: nextLevel,
   sticks: () => { sticks = !sticks; drawSoon(); },
   fit: () => { fit(); drawSoon(); },
+  sound: () => { sounds = !sounds; element("sound").className = sounds ? "on" : ""; element("sound").ariaPressed = sounds; },
   save, path: () => player && savePath(), help: showHelp,
 };
+/// As play --device keys has them; without a hand they turn the picture. Right, down, nearer.
+const ways = {
+  ArrowLeft: [-1, 0, 0], ArrowRight: [1, 0, 0], ArrowUp: [0, -1, 0], ArrowDown: [0, 1, 0], PageUp: [0, 0, -1], PageDown: [0, 0, 1],
+};
+
+function onKey(e) {
+  if (e.ctrlKey || e.altKey || e.metaKey) return;
+  const on = e.target.tagName;
+  if ((on === "BUTTON" && (e.key === " " || e.key === "Enter")) || (on === "INPUT" && e.key in ways)) return;
+  if (e.key === "Escape" && element("say").className) showHelp();
+  else if (e.key in ways) {
+    const [right, down, nearer] = ways[e.key], step = depthStep() / 2;
+    if (hand && !turning) moveHand(right * step / pixel(), down * step / pixel(), nearer * step);
+    else if (nearer) zoomView(Math.pow(1.1, nearer));
+    else turnView(20 * right, 20 * down);
+  } else if (e.key in keys) actions[keys[e.key]]();
+  else return;
+  e.preventDefault();
+}
+
 const keys = { " ": "play", t: "turn", n: "next", b: "sticks", r: "fit", s: "save", h: "help", "?": "help" };
 
 /// A button that acts again while it is held.
@@ -96,6 +150,7 @@ function hold(id, act) {
   const stop = () => clearInterval(timer);
   element(id).addEventListener("pointerdown", () => { act(); stop(); timer = setInterval(act, 60); });
   for (const end of ["pointerup", "pointerleave", "pointercancel"]) element(id).addEventListener(end, stop);
+  element(id).addEventListener("click", (e) => { if (e.detail === 0) act(); });  // by a key
 }
 
 function listen() {
@@ -122,11 +177,11 @@ function listen() {
   for (const id in actions) element(id).addEventListener("click", actions[id]);
   hold("nearer", () => moveHand(0, 0, depthStep()));
   hold("farther", () => moveHand(0, 0, -depthStep()));
-  window.addEventListener("keydown", (e) => {
-    if (!(e.key in keys) || e.ctrlKey || e.altKey || e.metaKey) return;
-    actions[keys[e.key]]();
-    e.preventDefault();
-  });
+  window.addEventListener("keydown", onKey);
+  for (const name of ["pointerdown", "keydown"])
+    window.addEventListener(name, () => { if (hand) audio ??= new AudioContext(); }, { once: true });
+  window.addEventListener("beforeprint", () => print_(true));
+  window.addEventListener("afterprint", () => print_(false));
   window.addEventListener("resize", drawSoon);
   window.addEventListener("hashchange", goToHash);
 }

@@ -3,6 +3,7 @@
 // (libcore/scene/legend.hpp).
 
 const kFlashSeconds = 0.3;
+const kGrey = "#6b7280";
 
 /// A canvas whose unit is a pixel of the page on a small screen, and its width and height in that unit.
 function context(canvas, width, height) {
@@ -69,8 +70,19 @@ function nameTurned(c, width, height, frame, place, unit) {
 }
 
 /// With a white edge, so that they are seen on every colour.
-function drawThread(c, line, colour) {
-  for (const [shade, wider] of [["#fff", 2], [colour, 0]]) strokeLines(c, [line], shade, data.hand_line_pixels + wider);
+function drawThread(c, line, colour, dashes = []) {
+  for (const [shade, wider, gaps] of [["#fff", 2, []], [colour, 0, dashes]]) {
+    c.setLineDash(gaps);
+    strokeLines(c, [line], shade, data.hand_line_pixels + wider);
+  }
+  c.setLineDash([]);
+}
+
+/// With a white edge.
+function drawText(c, text, x, y) {
+  Object.assign(c, { strokeStyle: "#fff", lineWidth: 3, fillStyle: data.ink });
+  c.strokeText(text, x, y);
+  c.fillText(text, x, y);
 }
 
 function drawRing(c, [x, y], radius, colour) {
@@ -78,29 +90,49 @@ function drawRing(c, [x, y], radius, colour) {
   drawThread(c, Array.from({ length: 65 }, (_, k) => [x + radius * Math.cos(turn(k)), y + radius * Math.sin(turn(k))]), colour);
 }
 
-/// A ring where the hand is, and a thread from there to the HIP: the longer, the more the model resists.
-function drawHand(c, frame, place) {
+/// A ring where the hand is, and a thread from there to the HIP: the longer, the more the model resists. Where there is no
+/// force it is dashed: the ball is still on its way, or the hand is outside of the box, where the ball cannot follow.
+function drawHand(c, frame, place, width) {
   const hand_ = hand && following() ? hand : frame.hand, ring = data.ring_pixels;
   if (!finite(hand_)) return;
   const at = place(hand_), hip = place(frame.hip);
   const away = Math.hypot(hip[0] - at[0], hip[1] - at[1]);
-  if (away > ring) drawThread(c, [at.map((x, i) => x + ring * (hip[i] - x) / away), hip], data.hand_colour);
+  const pulls = frame.size > 0.01 * (data.full_force || 1);
+  const outside = hand_.some((x, a) => x < data.low[a] || x > data.high[a]);
+  if (away > ring) drawThread(c, [at.map((x, i) => x + ring * (hip[i] - x) / away), hip], pulls ? data.hand_colour : kGrey, pulls ? [] : [5, 5]);
+  if (outside && away > ring) {
+    const text = "edge of the grid", half = c.measureText(text).width / 2;
+    drawText(c, text, clamp(at[0], half + 4, width - half - 4) - half, at[1] + 2 * ring);
+  }
   drawRing(c, at, ring, data.hand_colour);
 }
+
+/// Somebody who wants nothing that flashes or shakes.
+const calm = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
 
 /// Rings around the HIP for a moment after the model snapped.
 function drawFlash(c, frame, place, unit) {
   for (let i = shown; i >= 0 && frames[i].time >= frame.time - kFlashSeconds; --i) {
     if (!frames[i].snapped) continue;
-    for (const wider of data.flash_pixels) drawRing(c, place(frame.hip), data.hip_radius / unit + wider, data.snap_colour);
+    const at = place(frame.hip), radius = data.hip_radius / unit;
+    if (!calm()) for (const wider of data.flash_pixels) drawRing(c, at, radius + wider, data.snap_colour);
+    c.textAlign = "center";
+    drawText(c, "snap", at[0], at[1] - radius - data.flash_pixels[1] - 9);
+    c.textAlign = "left";
     return;
   }
 }
 
 const hasForceBar = () => live && data.full_force > 0;
 
+/// The largest force so far, at least a tenth of the grid's, rounded up to 1, 2 or 5 times a power of ten.
+function barForce() {
+  const least = Math.max(largestForce, data.full_force / 10), power = Math.pow(10, Math.floor(Math.log10(least)));
+  return [1, 2, 5, 10].map((digit) => digit * power).find((f) => f >= least * (1 - 1e-9));
+}
+
 function drawForceBar(c, width, height, force) {
-  const x = width - 33, top = 0.4 * height, bottom = height - 26, part = clamp(force / data.full_force, 0, 1);
+  const x = width - 33, top = 0.4 * height, bottom = height - 26, full = barForce(), part = clamp(force / full, 0, 1);
   c.fillStyle = data.force_colour;
   c.fillRect(x, bottom - part * (bottom - top), 14, part * (bottom - top));
   c.strokeStyle = data.ink;
@@ -108,7 +140,12 @@ function drawForceBar(c, width, height, force) {
   c.strokeRect(x, top, 14, bottom - top);
   c.fillStyle = data.ink;
   c.textAlign = "right";
-  c.fillText(`${threeDigits(data.full_force)} N`, width - 8, top - 10);
+  c.fillText(`${threeDigits(full)} N`, width - 8, top - 10);
+  if (data.full_force <= full) {  // what is sent at most
+    const y = bottom - data.full_force / full * (bottom - top);
+    strokeLines(c, [[[x - 4, y], [x + 14, y]]], data.ink, 2);
+    c.fillText("most", x - 7, y);
+  }
   c.fillText("0", width - 23, bottom + 10);
   c.textAlign = "left";
 }
@@ -124,8 +161,10 @@ function drawLegend() {
   }
   if (frames.length === 0) return;
   const frame = frames[shown];
-  if (large) nameTurned(c, width, height, frame, place, unit);
-  drawHand(c, frame, place);
+  drawStrips(frame);
+  if (data.own) markTorsions(c, frame, place, [width, height]);
+  else if (large) nameTurned(c, width, height, frame, place, unit);
+  drawHand(c, frame, place, width);
   drawFlash(c, frame, place, unit);
   if (large && hasForceBar()) drawForceBar(c, width, height, frame.size);
 }

@@ -16,6 +16,7 @@ let socket = null;
 let ended = false;
 let hand = null;         // where this page's hand is
 let snaps = 0;           // of a live page, since it was opened
+let largestForce = 0;    // alike, in newtons
 let shown = 0;           // the frame
 let playing = null;      // of a file: since when, and from which time of play on; of a live page: whether it goes on
 
@@ -75,6 +76,7 @@ function setPlaying(yes) {
   else if (yes && shown === frames.length - 1) shown = 0;
   playing = yes ? { since: performance.now(), from: frames.length ? frames[shown].time : 0 } : null;
   element("play").textContent = yes ? "pause" : "play";
+  element("play").ariaPressed = yes;
   if (yes && !live) requestAnimationFrame(step);
   drawSoon();
 }
@@ -97,7 +99,12 @@ function goToHash() {
 /// A frame came: those that are too old go.
 function take(frame) {
   frames.push(frame);
-  if (frame.snapped) ++snaps;
+  largestForce = Math.max(largestForce, frame.size);
+  if (frame.snapped) {
+    ++snaps;
+    element("news").textContent = `snap ${snaps}`;
+    if (hand) click();
+  }
   while (frames.length > 2 && (frames[0].time < frame.time - kLiveSeconds || frames.length * frame.centres.length > kMostNumbers)) {
     frames.shift();
     shown = Math.max(0, shown - 1);
@@ -109,7 +116,7 @@ function take(frame) {
 /// This page is the hand.
 function takeHand(at) {
   hand = at;
-  for (const id of ["nearer", "farther", "turn", "next"]) element(id).hidden = false;
+  for (const id of ["nearer", "farther", "turn", "next", "sound"]) element(id).hidden = false;
   if (gl) say(introduction());
 }
 

@@ -81,7 +81,6 @@ Json page_scene(const Scene& scene, const Frame& frame, const RenderOptions& opt
       {"force_colour", css(kForceColour)},
       {"snap_colour", css(kSnapColour)},
       {"energy_colour", "#1e5abe"},
-      {"own_colour", "#7c3aed"},
       {"line_pixels", 2 * kLinePixels},
       {"ring_pixels", kRingPixels},
       {"hand_line_pixels", 2 * kHandPixels},
@@ -136,7 +135,7 @@ Json page_frame(const Scene& scene, const Frame& frame, const RenderOptions& opt
     if (std::abs(frame.turned[i]) >= kTurned) {
       const Torsion& torsion = scene.torsions[i];
       turned.push_back(
-          {torsion.spheres[1], torsion.spheres[2], turned_text(torsion, frame.turned[i])});
+          {torsion.spheres[1], torsion.spheres[2], torsion_text(torsion, frame.angles[i])});
     }
   return {{"time", frame.time_s},
           {"jumps", frame.jumps},

@@ -13,24 +13,20 @@ async function inflate(text) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-/// As turned_text() in libcore/scene/scene.cpp.
-const turnedText = (name, by) => `${name} ${by < 0 ? "−" : "+"}${Math.abs(by).toFixed(0)}°`;
-
 /// What the player shows now, as a frame.
 function playedFrame() {
   player.show();
   const { own } = data, { buffer } = player.memory;
-  const shown = new Float64Array(buffer, player.shown_at(), 26), list = (from, size) => Array.from(shown.subarray(from, from + size));
+  const shown = new Float64Array(buffer, player.shown_at(), 27), list = (from, size) => Array.from(shown.subarray(from, from + size));
   const time = shown[10] / kTicksASecond, force = list(3, 3);
   const energy = own.force_scale > 0 ? (own.lowest + shown[20]) / own.force_scale : NaN;
-  const angles = new Float64Array(buffer, player.turned_at(), own.torsions.length);
-  const turned = own.torsions.map(([a, b, name], k) => [a, b, turnedText(name, angles[k]), Math.abs(angles[k])]).filter((one) => one[3] >= own.turned);
-  const farthest = turned.reduce((best, one) => (best && best[3] > one[3] ? best : one), null);
+  const angles = Array.from(new Float64Array(buffer, player.angles_at(), own.torsions.length));
+  const model = shown[26];
   const status = `t ${time.toFixed(2)} s   force ${threeDigits(Math.hypot(...force))} N` +
-    (Number.isFinite(energy) ? `   energy ${threeDigits(energy)} ${own.energy_unit}` : "") + (farthest ? `   ${farthest[2]}` : "");
+    (Number.isFinite(energy) ? `   energy ${threeDigits(energy)} ${own.energy_unit}` : "") + (Number.isFinite(model) ? `   model alone ${threeDigits(model)}` : "");
   const ends = new Uint32Array(buffer, player.bonds_at(), 2 * shown[25]);
   return {
-    time, jumps: shown[9], hip: list(0, 3), force, hand: [...hand], energy, own: NaN, arrow: list(21, 4), status, turned,
+    time, jumps: shown[9], hip: list(0, 3), force, hand: [...hand], energy, own: model, arrow: list(21, 4), status, angles, turned: [],
     centres: new Float32Array(buffer, player.centres_at(), 3 * data.spheres.length),
     bonds: Array.from({ length: shown[25] }, (_, k) => [ends[2 * k], ends[2 * k + 1]]),
   };
@@ -81,10 +77,27 @@ function savePath() {
   download("hapgrid-path.txt", URL.createObjectURL(new Blob([lines.join("\n") + "\n"], { type: "text/plain" })));
 }
 
-/// One sentence for somebody who has this file and no other word.
-const introduction = () =>
-  `Drag with the mouse or a finger: the ring is your hand, the magenta ball hangs on it by a thread, and the model resists where you push the ` +
-  `ball into it, until it yields or snaps (${data.own.grid}, played by hapgrid ${data.own.version}).`;
+/// red, green, blue in [0, 1]
+function colourName(rgb) {
+  const high = Math.max(...rgb), low = Math.min(...rgb), [r, g, b] = rgb;
+  if (high - low < 0.15) return high > 0.75 ? "white" : high < 0.25 ? "black" : "grey";
+  const hue = 60 * (high === r ? (g - b) / (high - low) : high === g ? 2 + (b - r) / (high - low) : 4 + (r - g) / (high - low));
+  return ["red", "orange", "yellow", "green", "blue", "purple"][[15, 45, 72, 165, 260, 320].findIndex((end) => hue >= -40 && hue < end)] ?? "red";
+}
+
+/// What somebody who has this file and no other word should do, from what is in the scene.
+function goal() {
+  const { own, spheres, hip_radius } = data, largest = spheres.map((one, k) => [one[0], k]).sort((a, b) => b[0] - a[0]);
+  const held = spheres.some((one, k) => distance(sphere(frames[0], k), own.start) < 0.2 * (one[0] + hip_radius));
+  const end = own.snaps ? "it snaps" : "it yields";
+  if (held) return `Drag the pink ball, which holds an atom: lead it round until ${own.torsions.length ? "the bond turns over" : end}.`;
+  if (own.torsions.length) return `Drag the pink ball against the molecule until a bond ${own.snaps ? "turns over" : "yields"}.`;
+  if (largest.length > 1 && largest[0][0] > 1.5 * largest[1][0])
+    return `Drag the pink ball against the ${colourName(spheres[largest[0][1]].slice(1))} one until ${end}.`;
+  return own.snaps ? "Drag the pink ball into the model until it snaps." : "Drag the pink ball: the arrow is the force that a hand feels there.";
+}
+
+const introduction = () => `${goal()} The ring is your hand, and the thread grows with the force. (${data.own.grid}, hapgrid ${data.own.version})`;
 
 async function startPlayer() {
   live = true;
@@ -98,7 +111,10 @@ async function startPlayer() {
   player.begin(...data.own.start);
   say("");
   build();
-  takeHand(data.own.start);
+  hand = [...data.own.start];
+  playTicks(1, false);
+  take(decode(playedFrame()));
+  takeHand(hand);
   element("path").hidden = false;
   setPlaying(true);
   wake();

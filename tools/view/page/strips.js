@@ -1,0 +1,68 @@
+// The torsions of a page that plays its grid: of each a strip with its angle, the lowest energy of the model itself that
+// the grid has at each angle, where on it the model is, and how high the next barrier is. The strip's number stands at the
+// bond.
+
+const kStrip = { width: 164, height: 64 };
+
+/// How high the nearer of the two barriers beside an angle is: of what the grid has there, the highest before it goes down.
+function barrierAhead(profile, angle) {
+  const known = profile.filter((v) => v !== null), least = 0.1 * (Math.max(...known) - Math.min(...known));
+  const here = Math.floor((angle + 180) / 360 * profile.length);
+  const climb = (way) => {
+    let top = -Infinity, at = 0;
+    for (let i = 0; i < profile.length; ++i) {
+      const v = profile.at((here + way * i) % profile.length);
+      if (v === null) continue;
+      if (v > top) [top, at] = [v, i];
+      else if (at > 0 && top - v > least) break;
+    }
+    return [top, at];
+  };
+  const [up, down] = [climb(1), climb(-1)];
+  return (up[1] <= down[1] ? up : down)[0];
+}
+
+function drawStrip(c, [left, top], number, [, , name, profile], angle, own) {
+  const { width, height } = kStrip, right = left + width - 8, known = profile.filter((v) => v !== null);
+  const title = (number ? number + "  " : "") + name + (Number.isFinite(angle) ? ` ${angle < 0 ? "−" : "+"}${Math.abs(angle).toFixed(0)}°` : "");
+  c.fillStyle = data.ink;
+  c.fillText(title, left, top + 7);
+  if (known.length < 2 || !Number.isFinite(own) || !Number.isFinite(angle)) return;
+  const low = Math.min(...known), span = Math.max(...known) - low || 1, barrier = barrierAhead(profile, angle) - low;
+  const at = (angle_, v) => [left + (right - left) * (angle_ + 180) / 360, top + 44 - 27 * clamp((v - low) / span, 0, 1.1)];
+  const curve = profile.map((v, k) => at((k + 0.5) / profile.length * 360 - 180, v ?? NaN));
+  strokeLines(c, [[[left, top + 45], [right, top + 45]]], kGrey, 0.5);
+  strokeLines(c, [curve.filter((place) => Number.isFinite(place[1])).map(([x, y]) => [x, y])], kGrey, 0.7);  // where the grid has none
+  strokeCurve(c, curve, data.energy_colour);
+  for (const [shade, radius] of [["#fff", 5], [data.hand_colour, 3.5]]) strokeLines(c, [[at(angle, own), at(angle + 0.01, own)]], shade, 2 * radius);
+  const text = (v) => v.toFixed(barrier >= 100 ? 0 : barrier >= 1 ? 1 : 3);
+  c.fillStyle = data.ink;
+  c.fillText(`${text(own - low)} of ${text(barrier)} ${data.own.energy_unit}`, left, top + 55);
+}
+
+/// The torsions that have a strip, in a column on a wide screen, else in a row: as many as there is room for.
+function stripsOf([width, height]) {
+  const narrow = width < 650, most = Math.floor(narrow ? width / kStrip.width : (height - 120) / kStrip.height);
+  return [narrow, (data.own?.torsions ?? []).slice(0, Math.max(0, most))];
+}
+
+function drawStrips(frame) {
+  const [narrow, shown_] = stripsOf(pictureSize().map((x) => x / letterScale())), along = narrow ? kStrip.width : 0, down = narrow ? 0 : kStrip.height;
+  const size = [kStrip.width + along * (shown_.length - 1), kStrip.height + down * (shown_.length - 1)];
+  element("strips").hidden = shown_.length === 0;
+  if (shown_.length === 0) return;
+  const [c] = context(element("strips"), ...size.map((x) => x * letterScale()));
+  shown_.forEach((torsion, k) => drawStrip(c, [1 + k * along, k * down], data.own.torsions.length > 1 ? k + 1 : 0, torsion, frame.angles[k], frame.own));
+}
+
+/// The numbers of the strips, at the bonds.
+function markTorsions(c, frame, place, size) {
+  c.textAlign = "center";
+  stripsOf(size)[1].forEach(([a, b], k) => {
+    const at = place(plus(sphere(frame, a), plus(sphere(frame, b), sphere(frame, a), -1), 0.5));
+    for (const [shade, radius] of [["#fff", 7], [data.ink, 6]]) strokeLines(c, [[at, [at[0] + 0.01, at[1]]]], shade, 2 * radius);
+    c.fillStyle = "#fff";
+    if (data.own.torsions.length > 1) c.fillText(k + 1, at[0], at[1] + 0.5);
+  });
+  c.textAlign = "left";
+}
