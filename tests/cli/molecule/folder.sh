@@ -32,6 +32,20 @@ if strace -o /dev/null true 2>/dev/null; then  # a file system that has no locks
 fi
 ! grep -q 'firstplace' renamed/*.{html,toml,tsv,txt} renamed/.work/*.json || fail "the folder's name is in it"
 
+# Files of one's own are safe: in a folder that is not hapgrid's, in that of another molecule, and where the results would be.
+mkdir own && cp '<img src=x>.xyz' own/conformation.xyz && echo mine >own/calc.new.1
+printf '3\n\nH 0 0 1.0\nN 0 0 0\nO 0 0 -1.2\n' >hno.xyz
+before=$(find own renamed -type f -exec md5sum {} + | sort)
+alone() { # WHY FILE DIR
+  expect 2 '' "~molecule: $1" -- hapgrid molecule --push "$2" --method gfnff --uhf 0 --charge 0 -o "$3" -q
+  same "files after $1" "$before" "$(find own renamed -type f -exec md5sum {} + | sort)"
+}
+alone 'own: has files that are none of hapgrid molecule: give a new folder' own/conformation.xyz own
+(cd own && alone='\.: has files that are none of hapgrid molecule: give a new folder' &&
+  expect 2 '' "~molecule: $alone" -- hapgrid molecule conformation.xyz -o .)
+alone 'renamed: has other results, of CHN \(<img src=x>\.xyz\), not of HNO \(hno\.xyz\): give another folder, or remove this one' hno.xyz renamed
+alone 'renamed/conformation\.xyz: lies in the folder of the results, renamed: copy it, or give another folder' renamed/conformation.xyz renamed
+
 # A stranger's folder: no file in it names one outside, to be read, written or removed.
 echo precious >victim.xyz
 cp victim.xyz victim.txt

@@ -115,6 +115,17 @@ done
 rm strange/.work/name.json && mkfifo strange/.work/name.json
 refuses 'table: strange/.work/name.json: is no regular file' -- soon hapgrid table good.dx -o strange -q
 
+# A folder of one's own files, of another table or command, or that of the file itself is left as it is.
+mkdir own && cp good.map own/good.toml
+for file in good.map own/good.toml; do
+  expect 2 '' 'table: own: has files that are none of hapgrid table: give a new folder' -- hapgrid table "$file" -o own -q
+done
+expect 2 '' 'table: dx: has other results, of good.dx, not of good.map: give another folder, or remove this one' -- \
+  hapgrid table good.map -o dx -q
+cp good.dx dx/good.dx
+expect 2 '' 'table: dx/good.dx: lies in the folder of the results, dx: copy it, or give another folder' -- \
+  hapgrid table dx/good.dx -o dx -q
+
 echo >x.txt
 bad x.txt 'only .map, .dx, .cube, .cub, .vti, .npy, .npz, .ccp4 and .mrc are known, and each with .gz behind it'
 bad gone.map 'No such file or directory'

@@ -25,6 +25,7 @@ from typing import Any, TypeVar
 from hapgrid.files import FILTERS
 
 from . import files
+from .cli import UsageError
 from .files import Failed, digest, digest_of
 from .programs import Ran, Watch, run_program
 from .texts import printable_line
@@ -67,9 +68,9 @@ class Cache:
 
 
 class Work:
-    """command: as messages begin."""
+    """command: as messages begin; given: files that are read, which must not lie where files are written."""
 
-    def __init__(self, command: str, directory: str, quiet: bool) -> None:
+    def __init__(self, command: str, directory: str, quiet: bool, given: Sequence[str] = ()) -> None:
         self.command, self.directory, self.quiet = command, directory, quiet
         self.filters = os.environ.get("HAPGRID_BIN") or FILTERS
         self.started = time.monotonic()
@@ -77,14 +78,32 @@ class Work:
         self.cache = Cache(self.path(".work"))  # the one cache
         self._lock: int | None = None
         if os.path.isdir(directory):
+            if os.listdir(directory) and not os.path.lexists(self.cache.directory):
+                raise UsageError(f"{directory}: has files that are none of hapgrid {command}: give a new folder")
+            inside = next((one for one in given if os.path.realpath(os.path.dirname(one)) == os.path.realpath(directory)), None)
+            if inside is not None:
+                raise UsageError(f"{inside}: lies in the folder of the results, {directory}: copy it, or give another folder")
             self.enter()
+
+    def require(self, words: str, of: Any) -> None:
+        """Refuses a folder that belong() has given to something else. words: what the folder is of, for people; of: what tells
+        it from others, as JSON keeps it."""
+        kept = self.cache.get("of")
+        if isinstance(kept, dict) and "words" in kept and "of" in kept and kept["of"] != [self.command, of]:
+            raise UsageError(f"{self.directory}: has other results, of {kept['words']}, not of {words}: give another folder, or "
+                             "remove this one")
+
+    def belong(self, words: str, of: Any) -> None:
+        """From here on the folder is of this alone."""
+        self.require(words, of)
+        self.cache.put("of", {"of": [self.command, of], "words": words})
 
     def enter(self) -> None:
         """Makes the folder where there is none, and waits until no other run works in it. What a run that was killed
         has left is removed. A link would let a stranger's folder write outside of it."""
         if self._lock is not None:
             return
-        os.makedirs(self.directory, exist_ok=True)
+        os.makedirs(self.cache.directory if not os.path.isdir(self.directory) else self.directory, exist_ok=True)
         self._lock = os.open(self.directory, os.O_RDONLY)
         try:
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)

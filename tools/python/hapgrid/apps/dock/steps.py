@@ -41,7 +41,7 @@ def run(o: Namespace) -> str:
         given = [o.host, o.ligand, *(field.files(o.host).values() if _is_field(o.host) else ())]
         work.step("definition", "reading host and ligand" if o.atoms else "computing the maps", [], [*map(digest, given), options],
                   lambda: _define(o, work, name))
-    return run_steps("dock", o, define, _page)
+    return run_steps("dock", o, [o.ligand, o.host], define, _page)
 
 
 def _is_field(path: str) -> bool:

@@ -85,13 +85,17 @@ def run(options: Namespace) -> str:
 
 
 def read(o: Namespace) -> Start:
-    folder = Work("molecule", o.output, o.quiet)
+    folder = Work("molecule", o.output, o.quiet, [o.file] if o.file else [])
+    source = os.path.basename(o.file) if o.file else f"SMILES {o.smiles}"
 
     def compute() -> list[str]:
         one = reading.read(o.file, o.smiles, o.charge, o.uhf)
+        of = f"{one.formula} ({source})", [one.numbers, one.neighbours, one.charge]
+        folder.require(*of)
         for line in one.said:
             folder.say("  " + line)
         folder.enter()
+        folder.belong(*of)
         folder.write("start.sdf", reading.sdf(one))
         return ["start.sdf"]
     text = digest_of(read_bytes(o.file, molecule.MOST_BYTES)) if o.file else o.smiles
@@ -110,7 +114,6 @@ def read(o: Namespace) -> Start:
         turning = [t for t in turning if t.signs]
     folder.say(f"  {one.formula}, {len(one.numbers)} atoms, charge {signed(one.charge)}, {len(turning)} bonds turn"
                + (f"; {rings} rings stay as they are" if rings else ""))
-    source = os.path.basename(o.file) if o.file else f"SMILES {o.smiles}"
     return Start(o, folder, one, source, o.search or one.built, method, turning)
 
 

@@ -23,7 +23,7 @@ def run(o: Namespace) -> str:
     next(pieces(o.file), None)  # says why, where it cannot be read
     if o.factor == 0:
         raise Failed("--factor 0 leaves nothing to feel")
-    return run_steps("table", o, lambda work, name: _define(o, work, name), _page)
+    return run_steps("table", o, [o.file], lambda work, name: _define(o, work, name), _page)
 
 
 def _define(o: Namespace, work: Work, name: str) -> None:

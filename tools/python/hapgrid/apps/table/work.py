@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import tomllib
 from argparse import Namespace
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from hapgrid.apps.common import grid as grids
@@ -16,10 +17,12 @@ from hapgrid.apps.common.work import Work as Folder
 VERIFY_SHARE = 0.6  # about, of what the search took, when that took long
 
 
-def run_steps(command: str, o: Namespace, define: Callable[[Work, str], Any], page: Callable[[Work, str], Any]) -> str:
-    """Everything; the line for standard output. o: the options; define(work, name) makes the definition, and page(work, name)
-    the page."""
-    work = Work(command, o.output, o.quiet)
+def run_steps(command: str, o: Namespace, given: Sequence[str], define: Callable[[Work, str], Any],
+              page: Callable[[Work, str], Any]) -> str:
+    """Everything; the line for standard output. o: the options; given: the files that the grid is of, whose names the folder
+    keeps; define(work, name) makes the definition, and page(work, name) the page."""
+    work, names = Work(command, o.output, o.quiet, given), [os.path.basename(one) for one in given]
+    work.require(" in ".join(names), names)
     name = work.name()
     toml, grid = f"{name}.toml", f"{name}.grid"
     if work.changed_by_hand(toml):
@@ -27,6 +30,7 @@ def run_steps(command: str, o: Namespace, define: Callable[[Work, str], Any], pa
     else:
         define(work, name)
     work.name()  # is kept now that there is a folder
+    work.belong(" in ".join(names), names)
     if o.until:
         work.say("stopped after the definition: the same command without --until goes on")
         return ""
