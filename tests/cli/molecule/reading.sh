@@ -2,6 +2,6 @@
 source "$(dirname "$0")/../lib.sh"
 needs_python "openbabel, rdkit, scipy" "python3-openbabel, python3-rdkit, python3-scipy"
 export work
-for part in read groups build hostile; do
+for part in read groups build isomers hostile; do
   PYTHONPATH=$HAPGRID_BUILD/python /usr/bin/python3 "$here/reading.py" "$part" || fail "$part: see above"
 done

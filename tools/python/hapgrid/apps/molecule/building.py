@@ -7,17 +7,20 @@ chains.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from hapgrid.apps.common.arrays import Array
 from rdkit import Chem
 from rdkit.Chem import rdDistGeom
 
-from . import geometry
+from . import geometry, stereo
 from .elements import COVALENT
 from .molecule import BadInput, is_flat, neighbours_of, numbers_of, placed, places_of, relaxed
 
 SEED = 1
 TRIES = 10  # shapes, of which the one of lowest energy is taken: rings have several
+MORE_TRIES = 30  # where all others are of another isomer
 FEW_STEPS, STEPS = 300, 5000  # of the force field, to tell shapes apart, and for the one that is taken
 SMALL_RINGS = 60  # atoms, up to which a shape takes well below a second
 
@@ -69,37 +72,48 @@ def shape(mol: Chem.Mol, what: str) -> Array:
     """Positions (atoms, 3), angstrom, of a molecule with all its hydrogens. They are the same each time."""
     if mol.GetNumAtoms() == 1:
         return np.zeros((1, 3))
-    best, near = None, neighbours_of(mol)
-    for x in _embedded(mol):
-        energy, x = relaxed(mol, x, FEW_STEPS)
-        strained = not np.isfinite(x).all() or geometry.bonds_of(numbers_of(mol), x) != near
-        if best is None or (strained, energy) < best[:2]:
-            best = strained, energy, x
-    if best is None or not np.isfinite(best[2]).all():
-        raise BadInput(f"{what}: no shape could be built: is its handedness possible? Otherwise give a file with a shape")
-    return relaxed(mol, best[2], STEPS)[1]
+    near, other = neighbours_of(mol), False
+    for shapes in _embedded(mol):
+        best = None
+        for x in shapes:
+            energy, x = relaxed(mol, x, FEW_STEPS)
+            if not np.isfinite(x).all():
+                continue
+            if not stereo.is_as_given(mol, x):
+                other = True
+                continue
+            strained = geometry.bonds_of(numbers_of(mol), x) != near
+            if best is None or (strained, energy) < best[:2]:
+                best = strained, energy, x
+        if best is not None:
+            x = relaxed(mol, best[2], STEPS)[1]
+            if stereo.is_as_given(mol, x):
+                return x
+            other = True
+    raise BadInput(f"{what}: no shape could be built" + (" that is the isomer it names" if other else "") +
+                   ": is its handedness possible? Otherwise give a file with a shape")
 
 
-def _embedded(mol: Chem.Mol) -> list[Array]:
-    """Shapes by distance geometry, as they come."""
+def _embedded(mol: Chem.Mol) -> Iterator[list[Array]]:
+    """Shapes by distance geometry, as they come, in one way after the other."""
     one = Chem.Mol(mol)
     options = rdDistGeom.ETKDGv3()
     options.randomSeed = SEED
     options.useSmallRingTorsions = True
     crowded = [a for a in one.GetAtoms() if a.GetDegree() > 4]
-    if crowded:
-        options.SetBoundsMat(_bounds(one, crowded))
+    bounds = _bounds(one, crowded) if crowded else stereo.bounds(one)
+    if bounds is not None:
+        options.SetBoundsMat(bounds)
     few = one.GetNumAtoms() > SMALL_RINGS or not one.GetRingInfo().NumRings()
     # A handedness that no shape can have would be tried for hours.
-    # Aromatic rings that are bent need the last way, which knows of no flat ones.
+    # Aromatic rings that are bent, and E double bonds in rings of eight, need a way that knows of no flat ones.
     for random, knowing, count, options.maxIterations in (
-            (False, True, 3 if few else TRIES, 20), (True, True, 3, 20), (True, False, 3, 60)):
+            (False, True, 3 if few else TRIES, 20), (True, True, 3, 20), (True, False, 3, 60), (False, False, MORE_TRIES, 20)):
         options.useRandomCoords, options.ignoreSmoothingFailures = random, not knowing
         options.useBasicKnowledge = options.useExpTorsionAnglePrefs = knowing
         found = list(rdDistGeom.EmbedMultipleConfs(one, count, options))
         if found:
-            return [one.GetConformer(n).GetPositions() for n in found]
-    return []
+            yield [one.GetConformer(n).GetPositions() for n in found]
 
 
 def _bounds(mol: Chem.Mol, crowded: list[Chem.Atom]) -> Array:

@@ -32,6 +32,8 @@ def minimum(search: Search, x: Array) -> Point:
     one = optimise.minimum(search.surface, numbered_alike(search.molecule, x / BOHR, search.x))
     if not search.intact(one.x):
         raise optimise.NoPath("its bonds change")
+    if why := search.start.isomer.differs(one.x):
+        raise optimise.NoPath(why)
     turned = geometry.as_in_file(geometry.aligned(one.x, search.x, search.surface.masses))
     return replace(one, x=turned, energy=search.surface.energy(turned))
 

@@ -15,7 +15,7 @@ import numpy as np
 from hapgrid.apps.common.arrays import Array
 from rdkit import Chem
 
-from . import geometry, xyz
+from . import geometry, stereo, xyz
 from .elements import NUMBERS
 from .molecule import BadInput, is_flat, numbers_of, placed, places_of, unsanitized
 
@@ -73,6 +73,7 @@ def smiles(text: str) -> Input:
     mol = Chem.MolFromSmiles(text, sanitize=False) if re.fullmatch(r"\S+", text) else None
     if mol is None or mol.GetNumAtoms() == 0:
         raise BadInput(f"{given.what}: not understood")
+    stereo.mark_allenes(mol)
     given.records.append(Record(mol))
     return given
 

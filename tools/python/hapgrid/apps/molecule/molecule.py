@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from hapgrid.apps.common.files import Failed
 from rdkit import Chem, RDLogger
-from rdkit.Chem import rdDistGeom, rdForceFieldHelpers, rdMolDescriptors
+from rdkit.Chem import rdDistGeom, rdForceFieldHelpers, rdMolDescriptors, rdMolTransforms
 from rdkit.ForceField import rdForceField  # Python must know the type of force fields
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from hapgrid.apps.common.arrays import Array, Neighbours
 
 RDLogger.DisableLog("rdApp.*")  # what it says is for programmers
@@ -17,6 +17,7 @@ STEPS = 500  # of the force field for a conformer
 SEED, TRIES, ITERATIONS = 1, 100, 20  # of distance geometry
 AMIDE = "[CX3](=O)-[#7]"
 NAMED = 5  # of a list, at most
+AXIS = "_axis"  # of an atom in the middle of an allene: the sign that SMILES gives the torsion of its ends' first neighbours
 
 
 class BadInput(Failed):
@@ -94,9 +95,11 @@ def relaxed(rd: Chem.Mol, positions: Array, steps: int, fixed: Sequence[int] | r
     are where neither has. Energies of one molecule can be compared with each other. fixed: atoms that stay."""
     rd = placed(rd, positions)
     field: rdForceField.ForceField = None
+    by_mmff = False
     try:
         properties = rdForceFieldHelpers.MMFFGetMoleculeProperties(rd)
-        if properties is not None:
+        by_mmff = properties is not None
+        if by_mmff:
             field = rdForceFieldHelpers.MMFFGetMoleculeForceField(rd, properties)
         elif rdForceFieldHelpers.UFFHasAllMoleculeParams(rd):
             field = rdForceFieldHelpers.UFFGetMoleculeForceField(rd)
@@ -105,6 +108,7 @@ def relaxed(rd: Chem.Mol, positions: Array, steps: int, fixed: Sequence[int] | r
     if field is None:
         return 0.0, np.array(positions, float)
     field.Initialize()
+    _hold_allenes(field, rd, by_mmff, positions)
     for atom in fixed:
         field.AddFixedPoint(int(atom))
     try:
@@ -112,6 +116,38 @@ def relaxed(rd: Chem.Mol, positions: Array, steps: int, fixed: Sequence[int] | r
     except RuntimeError:  # in its minimum already it finds no direction
         pass
     return field.CalcEnergy(), np.array(field.Positions()).reshape(-1, 3)
+
+
+def rows_of_double_bonds(rd: Chem.Mol) -> list[list[int]]:
+    """The atoms of each row of double bonds, as long as it can be."""
+    double: dict[int, list[int]] = {}
+    for bond in rd.GetBonds():
+        if bond.GetBondType() == Chem.BondType.DOUBLE:
+            for a, b in ((bond.GetBeginAtomIdx(), bond.GetEndAtomIdx()), (bond.GetEndAtomIdx(), bond.GetBeginAtomIdx())):
+                double.setdefault(a, []).append(b)
+    out = []
+    for first in sorted(a for a, near in double.items() if len(near) == 1):
+        row = [first]
+        while more := [b for b in double[row[-1]] if b not in row]:
+            row.append(more[0])
+        if len(double[row[-1]]) == 1 and row[0] < row[-1] and all(rd.GetAtomWithIdx(a).GetDegree() == 2 for a in row[1:-1]):
+            out.append(row)
+    return out
+
+
+def _hold_allenes(field: rdForceField.ForceField, rd: Chem.Mol, by_mmff: bool, x: Array) -> None:
+    """Keeps the ends of allenes across each other, which no force field here does, on the side on which they are marked, or
+    else are."""
+    for row in rows_of_double_bonds(rd):
+        i, l = (min((n.GetIdx() for n in rd.GetAtomWithIdx(end).GetNeighbors() if n.GetIdx() != inner), default=None)
+                for end, inner in ((row[0], row[1]), (row[-1], row[-2])))
+        if len(row) % 2 == 0 or i is None or l is None:
+            continue
+        middle, torsion = rd.GetAtomWithIdx(row[len(row) // 2]), (i, row[0], row[-1], l)
+        sign = middle.GetIntProp(AXIS) if middle.HasProp(AXIS) else 1 if rdMolTransforms.GetDihedralDeg(
+            placed(rd, x).GetConformer(), *torsion) > 0 else -1
+        add = field.MMFFAddTorsionConstraint if by_mmff else field.UFFAddTorsionConstraint
+        add(*torsion, False, *sorted((85.0 * sign, 95.0 * sign)), 100.0)
 
 
 def signed(charge: int) -> str:
@@ -139,19 +175,28 @@ def is_flat(x: Array) -> bool:
     return len(x) > 3 and np.ptp(x[:, 2]) < 0.01
 
 
-def conformers(molecule: Molecule, number: int) -> list[Array]:
+def conformers(molecule: Molecule, number: int, wanted: Callable[[Array], bool],
+               bounds: Callable[[Chem.Mol], Array | None]) -> list[Array]:
     """Up to `number` shapes (angstrom) by distance geometry, relaxed by the force field, the lowest first, none twice. Torsions
-    are drawn without the preferences of ETKDG, which are those of crystals.
+    are drawn without the preferences of ETKDG, which are those of crystals. wanted: whether a shape is of this isomer; bounds: of
+    its distances, or None for RDKit's.
 
     Open Babel's Confab leaves hydroxyl groups as they are: its lowest ethylene glycol is 1.6 kcal/mol above the one that this
     finds.
     """
-    rd, options = placed(molecule.rd, molecule.positions), rdDistGeom.KDG()
+    rd = placed(molecule.rd, molecule.positions)
     Chem.AssignStereochemistryFrom3D(rd)
-    options.randomSeed, options.maxIterations = SEED, ITERATIONS
-    embedded = [rd.GetConformer(n).GetPositions() for n in rdDistGeom.EmbedMultipleConfs(rd, TRIES, options)]
     found: dict[float, Array] = {}
-    for x in [molecule.positions, *embedded]:
-        energy, x = relaxed(molecule.rd, x, STEPS)
-        found.setdefault(round(energy, 2), x)  # equal energies are those of one shape, or of its mirror image
+    limits = bounds(rd)
+    for options in (rdDistGeom.KDG(), rdDistGeom.EmbedParameters()):  # the second knows of no flat bonds in rings of eight
+        options.randomSeed, options.maxIterations = SEED, ITERATIONS
+        if limits is not None:
+            options.SetBoundsMat(limits)
+        embedded = [rd.GetConformer(n).GetPositions() for n in rdDistGeom.EmbedMultipleConfs(rd, TRIES, options)]
+        for x in [molecule.positions, *embedded]:
+            energy, x = relaxed(molecule.rd, x, STEPS)
+            if wanted(x):
+                found.setdefault(round(energy, 2), x)  # equal energies are those of one shape, or of its mirror image
+        if limits is None or len(found) > 1:
+            break
     return [found[energy] for energy in sorted(found)[:number]]

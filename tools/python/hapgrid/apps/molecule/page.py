@@ -73,7 +73,7 @@ def page(start: Start, turned: Sequence[Torsion], ways: Sequence[str], felt: lis
     box = json.loads(folder.run("stats", f"{name}.grid", "--format", "json").out)["box"]
     spins = start.molecule.unpaired
     facts = {"Formula": formula(start.molecule.formula), "Charge": signed(start.molecule.charge),
-             "Spin": SPINS[spins] if spins < len(SPINS) else f"multiplicity {spins + 1}", "Made from": start.source,
+             "Spin": SPINS[spins] if spins < len(SPINS) else f"multiplicity {spins + 1}", "Isomer": start.told, "Made from": start.source,
              "Energies": f"{method}, of libxtb {library_version()}" if "GFN" in method else method,
              "Conformation": f"{words['E']} hartree" if "E" in words else "",
              "Grid": f"{' × '.join(map(str, box['counts']))} points, {box['spacing']:g} Å apart"}

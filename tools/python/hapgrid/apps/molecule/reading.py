@@ -16,7 +16,7 @@ from hapgrid.apps.common.files import read_bytes
 from rdkit import Chem
 from rdkit.Chem import rdMolDescriptors
 
-from . import building, formats, geometry, molecule as prepared, valences, xyz
+from . import building, formats, geometry, molecule as prepared, stereo, valences, xyz
 from .elements import MASSES, SYMBOLS
 from .formats import Input, Record, check_count
 from .molecule import BadInput, Molecule, is_flat, listed, numbers_of, places_of, signed
@@ -224,11 +224,10 @@ def _filled(mol: Chem.Mol, total: int | None) -> Chem.Mol | None:
 def _built(mol: Chem.Mol, given: Input) -> Chem.Mol:
     """With a shape in place of what it has."""
     mol = building.with_hydrogens(mol, False)
-    free = [place.centeredOn for place in Chem.FindPotentialStereo(mol) if place.type == Chem.StereoType.Atom_Tetrahedral
-            and place.specified == Chem.StereoSpecified.Unspecified]
-    if free:
-        given.say(f"the handedness of {valences.named(mol, free)} is not given: one is taken")
-    return prepared.placed(mol, building.shape(mol, given.what))
+    x = building.shape(mol, given.what)
+    for line in stereo.words(stereo.chosen(mol, x)):
+        given.say(line)
+    return prepared.placed(mol, x)
 
 
 def _refuse_without_hydrogen(mol: Chem.Mol, what: str) -> None:

@@ -11,7 +11,7 @@ from hapgrid.apps.common.arrays import Array, Shapes
 from hapgrid.apps.common.files import Failed
 from hapgrid.apps.common.programs import raise_if_stopped, workers
 
-from . import geometry, optimise, path, rotors, torsions
+from . import geometry, optimise, path, rotors, stereo, torsions
 from .holding import Hold
 from .molecule import conformers
 from .results import SAME_SHAPE, Dropped, Ends, Path, Point, Result, plain, restored
@@ -104,11 +104,13 @@ class Search:
 
     def _conformation(self, x: Array) -> Point:
         x = geometry.on_principal_axes(optimise.minimum(self.surface, x).x, self.surface.masses)
+        if why := self.start.isomer.differs(x):
+            raise Failed(f"no conformation: by {self.start.method} it relaxes to {why}")
         return optimise.point(self.surface, geometry.as_in_file(x))
 
     def _conformer(self, keep: bool, shapes: Shapes) -> Point:
         """A minimum on its own surface."""
-        starts = shapes or ([self.molecule.positions] if keep else conformers(self.molecule, CONFORMERS))
+        starts = shapes or ([self.molecule.positions] if keep else self._conformers())
         best, reason = None, ""
         tie = SAME_ENERGY / HARTREE if shapes else 0.0  # of equal minima of an ensemble the first is taken
         for n, (_, one) in enumerate(self.each("relaxing conformers", Search.relax, starts), 1):
@@ -124,6 +126,14 @@ class Search:
             raise Failed(f"no conformation: none of the start structures relaxes: {reason}")
         return optimise.minimum(self.start.surface(best[1]), best[1])
 
+    def _conformers(self) -> list[Array]:
+        isomer = self.start.isomer
+        found = conformers(self.molecule, CONFORMERS, lambda x: not isomer.differs(x), stereo.bounds)
+        if not found:
+            raise Failed("no conformation: no conformer is built that is the isomer which is given: give a file with its shape, "
+                         "without --search")
+        return found
+
     def relax(self, start: Array) -> tuple[float, Array]:
         """(energy, x) of a shape in angstrom, on its own surface. Errors: optimise.NoPath"""
         surface, x = self.start.surface(start / BOHR), start / BOHR
@@ -131,6 +141,8 @@ class Search:
                                        every=50)
         if not self.intact(x):
             raise optimise.NoPath("its bonds change")
+        if why := self.start.isomer.differs(x):
+            raise optimise.NoPath(why)
         return energy, x
 
     # Shapes

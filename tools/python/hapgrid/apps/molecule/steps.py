@@ -19,7 +19,7 @@ from hapgrid.apps.common.files import Failed, digest_of, read_bytes
 from hapgrid.apps.common.work import Work, about
 
 from . import (files, geometry, grids, holding, molecule, optimise, page, path_selection, probe_lines, reading, rotors,
-               single_points, structures)
+               single_points, stereo, structures)
 from .cli import GFN2_ATOMS
 from .molecule import signed
 from .results import Result
@@ -39,7 +39,9 @@ ALGEBRA = 0.09
 @dataclass
 class Start:
     """The molecule that is felt, and what the steps have in common. options: of the command line; source: of the molecule, in
-    words; search: whether conformers are searched; method: of xtb; turning: bonds (torsions.Torsion)."""
+    words; search: whether conformers are searched; method: of xtb; turning: bonds (torsions.Torsion);
+    isomer: which no step may leave; told: the
+    same in words."""
     options: Namespace
     folder: Work
     molecule: molecule.Molecule
@@ -47,6 +49,8 @@ class Start:
     search: bool
     method: str
     turning: list[Torsion]
+    isomer: stereo.Isomer
+    told: str
 
     @property
     def words(self) -> str:
@@ -114,7 +118,11 @@ def read(o: Namespace) -> Start:
         turning = [t for t in turning if t.signs]
     folder.say(f"  {one.formula}, {len(one.numbers)} atoms, charge {signed(one.charge)}, {len(turning)} bonds turn"
                + (f"; {rings} rings stay as they are" if rings else ""))
-    return Start(o, folder, one, source, o.search or one.built, method, turning)
+    isomer = stereo.of(one.rd, one.positions)
+    told = stereo.told(one.rd, one.positions, isomer)
+    if told:
+        folder.say(f"  isomer: {told}")
+    return Start(o, folder, one, source, o.search or one.built, method, turning, isomer, told)
 
 
 def find_structures(start: Start) -> Result:
@@ -134,7 +142,8 @@ def find_structures(start: Start) -> Result:
         if start.points:
             start.points.put_into(one, o.threads, folder)
         return files.write_set(folder, one, f"hapgrid molecule: {start.source}, {start.method}, "
-                               f"charge {signed(start.molecule.charge)}, {start.molecule.unpaired} unpaired electrons")
+                               f"charge {signed(start.molecule.charge)}, {start.molecule.unpaired} unpaired electrons"
+                               + f"; isomer: {start.told}" * bool(start.told))
     folder.step("structures", "looking for the conformation and the barriers around it", ["start.sdf"],
                 [start.method, o.solvent, start.points and start.points.key, start.molecule.charge, start.molecule.unpaired,
                  start.search, o.highest, o.basins, o.push, o.hold, o.keep_conformation,

@@ -60,7 +60,8 @@ def _explored(start: Start, shapes: Sequence[tuple[int, Array]], hold: Hold | No
                 continue
             points = _points(one)
             search.say(f"{job}: {_words(search, points)}")
-            lowest = min((p for p in points if p[0] == "minimum" and search.intact(p[2])), key=lambda p: round(p[1], 6),
+            lowest = min((p for p in points if p[0] == "minimum" and search.intact(p[2]) and
+                          not start.isomer.differs(p[2])), key=lambda p: round(p[1], 6),
                          default=None)
             if lowest and search.above(lowest[1]) < -LOWER:
                 search.say(f"{job} leads to a minimum that is {-search.above(lowest[1]):.1f} kJ/mol lower"

@@ -39,6 +39,8 @@ def drive(search: Search, torsion: Torsion, sign: int, apart: float | None = Non
                 raise optimise.NoPath(f"the saddle at {search.above(ends.saddle.energy):.2f} kJ/mol joins other minima")
             if not search.intact(ends.far.x):
                 raise optimise.NoPath("bonds change")
+            if why := search.start.isomer.differs(ends.far.x, axes=False):
+                raise optimise.NoPath(why)
             up, down, at, apart = path.over(search.surface, ends, at, apart)
         except (optimise.NoPath, XtbError) as why:
             return replace(way, why=str(why)), apart
