@@ -164,7 +164,7 @@ def build():
     for smiles in ("C[Se]C", "OB(O)c1ccccc1", "[H][H]", "FP(F)(F)(F)F", "FS(F)(F)(F)(F)F", "FI(F)(F)(F)F", "F[P-](F)(F)(F)(F)F"):
         assert is_sound(reading.read(None, smiles)), smiles
     two = reading.read(None, "CC(O)CN")
-    assert two.said == ["the handedness of C2 is not given: R is taken"], two.said
+    assert two.said == ["the handedness of C2 is not given: S is taken"], two.said
 
 
 # An isomer that is named is built, also where RDKit's bounds take a ring to be Z; of others it is said which was taken, if
