@@ -2,8 +2,8 @@
 
 The command: cli, steps (one by one, from the molecule's file to the page), grids (the grid).
 
-A molecule is read: reading, with formats, valences (what no file says of bonds, charges, hydrogens), building (shapes), stereo (which isomer),
-molecule (what is read, and its conformers), elements.
+A molecule is read: reading, with formats, valences (what no file says of bonds, charges, hydrogens), building (shapes),
+stereo (which isomer), molecule (what is read, and its conformers), elements.
 
 Structures are found: structures (in several processes), search (each step), results (what they find, and how that is kept),
 xtb (energies), geometry, optimise (minima and saddles), rotors (which bonds turn, and their names), torsions (scans), path

@@ -175,8 +175,8 @@ def is_flat(x: Array) -> bool:
     return len(x) > 3 and np.ptp(x[:, 2]) < 0.01
 
 
-def conformers(molecule: Molecule, number: int, wanted: Callable[[Array], bool],
-               bounds: Callable[[Chem.Mol], Array | None]) -> list[Array]:
+def conformers(molecule: Molecule, number: int, wanted: Callable[[Array], bool] = lambda x: True,
+               bounds: Callable[[Chem.Mol], Array | None] = lambda rd: None) -> list[Array]:
     """Up to `number` shapes (angstrom) by distance geometry, relaxed by the force field, the lowest first, none twice. Torsions
     are drawn without the preferences of ETKDG, which are those of crystals. wanted: whether a shape is of this isomer; bounds: of
     its distances, or None for RDKit's.
