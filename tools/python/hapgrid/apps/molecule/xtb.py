@@ -41,14 +41,13 @@ class Surface:
         self.renewal = {"gfn2": 12, "gfnff": 3}[method]
         self.masses = np.array([MASSES[z] for z in numbers])
         self._xtb = Xtb(numbers, np.asarray(positions, float).ravel(), method, charge, unpaired, solvent)
-        self._results = self._xtb.new_results()
 
     def __call__(self, positions: Array) -> tuple[float, Array]:
         """(energy, gradient (atoms, 3)) in hartree and bohr."""
         positions = np.asarray(positions, float)
         if not np.isfinite(positions).all():
             raise XtbError("xtb: a position is not finite")
-        energy, gradient = self._xtb(positions.ravel(), self._results)
+        energy, gradient = self._xtb(positions.ravel())  # from a fresh guess: the same bits in each process
         return energy, np.array(gradient).reshape(-1, 3)
 
     def energy(self, positions: Array) -> float:
