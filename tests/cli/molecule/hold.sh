@@ -31,5 +31,6 @@ bad 2 'no atom C9, and no SMARTS: the atoms are Cl1, C2, C3, Cl4, H5 and 3 more.
 bad 2 'the SMARTS \[Br\] matches nothing in the molecule.*' --smiles ClCCCl --hold '[Br]'
 bad 1 'no bond that turns moves the centre of Cl1, C2, C3, Cl4: .*' --smiles ClCCCl --hold '[Cl]CC[Cl]'
 bad 1 'no bond that turns moves C2: hold Cl1, Cl4, H5, H6, H7 and 1 more' --smiles ClCCCl --hold C2
+rm -r bad  # a folder is of one molecule
 bad 1 'no bond of the molecule turns: --push pushes at it as a whole' --smiles C#N --hold 1
 expect 2 '' 'molecule: --push: the hand holds no atom (see --help)' -- hapgrid molecule --smiles CC --push --hold 1 -o bad
