@@ -10,6 +10,10 @@ namespace hapgrid::molecule {
 
 namespace {
 
+// Of paths that share an end only, kJ/(mol Å⁴): two atoms' places on both, 0.3 Å each, cost 8
+// kJ/mol.
+constexpr double kBranches = 1000;
+
 double square(double v) { return v * v; }
 
 double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
@@ -39,6 +43,7 @@ HybridEnergy::HybridEnergy(const Molecule& molecule, const EnergyParameters& par
   for (std::size_t k = 0; k < morph_.paths(); ++k) scale_.push_back(morph_.length(k));
   scale_.insert(scale_.end(), 3, 1);
   scale_.insert(scale_.end(), 3, morph_.gyration());
+  if (molecule.bonds_change && molecule.paths.size() > 1) branches_ = kBranches;
   for (const Path& path : molecule.paths) profiles_.emplace_back(path.energies, path.start);
   for (int a = 0; a < 3; ++a) centre_[a] = morph_.centre()[a];
   for (const int atom : morph_.tree().order)
@@ -150,6 +155,30 @@ double HybridEnergy::shape_energy(const double* t) const {
   return sum;
 }
 
+double HybridEnergy::between_branches() const {
+  if (branches_ == 0) return 0;
+  double sum = 0, squares = 0;  // Σ_{k<l} a_k a_l of a_k = (L_k t_k)²
+  for (std::size_t k = 0; k < morph_.paths(); ++k) {
+    const double a = square(morph_.length(k) * state_[k]);
+    sum += a * squares;
+    squares += a;
+  }
+  return branches_ * sum;
+}
+
+void HybridEnergy::leave_branches(double* gradient, double* hessian) const {
+  if (branches_ == 0) return;
+  const std::size_t paths = morph_.paths();
+  for (std::size_t k = 0; k < paths; ++k)
+    for (std::size_t l = 0; l < paths; ++l) {
+      if (l == k) continue;
+      const double both = 2 * branches_ * square(morph_.length(k) * morph_.length(l));
+      gradient[k] += both * state_[k] * square(state_[l]);
+      hessian[k * variables_ + k] += both * square(state_[l]);
+      hessian[k * variables_ + l] += 2 * both * state_[k] * state_[l];
+    }
+}
+
 double HybridEnergy::value(const double* s, const double* x) {
   place(s, x);
   find_contacts();
@@ -161,12 +190,13 @@ double HybridEnergy::value(const double* s, const double* x) {
   for (std::size_t k = 0; k < paths; ++k) stretch += square(inside(k, s[k]));
   const double* shift = s + paths;
   const double* turn = shift + 3;
-  return shape_energy(s) + 0.5 * (unit_ * hand +
-                                  parameters_.shift_stiffness *
-                                      (square(shift[0]) + square(shift[1]) + square(shift[2])) +
-                                  parameters_.rotation_stiffness *
-                                      (square(turn[0]) + square(turn[1]) + square(turn[2])) +
-                                  parameters_.morph_stiffness * stretch);
+  return shape_energy(s) + between_branches() +
+         0.5 * (unit_ * hand +
+                parameters_.shift_stiffness *
+                    (square(shift[0]) + square(shift[1]) + square(shift[2])) +
+                parameters_.rotation_stiffness *
+                    (square(turn[0]) + square(turn[1]) + square(turn[2])) +
+                parameters_.morph_stiffness * stretch);
 }
 
 HAPGRID_WITH_AVX2
@@ -184,6 +214,7 @@ void HybridEnergy::derivatives(double* gradient, double* hessian, bool anew) {
     gradient[i] = stiffness * state_[i];
     hessian[i * n + i] = stiffness;
   }
+  leave_branches(gradient, hessian);
   if (anew) bending_.fill(0);
   if (contact_count_ == 0) return;
   morph_.differentiate(shape_);

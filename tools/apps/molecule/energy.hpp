@@ -6,11 +6,14 @@
 //           + hold_force (√(|x - h|² + hold_width²) - hold_width)       a tie that pulls
 //           + ½ shift_stiffness |shift|² + ½ rotation_stiffness |rotation|²
 //           + ½ morph_stiffness Σ_k t_k²
+//           + branches Σ_{k<l} (L_k t_k L_l t_l)²                 where bonds break and form
 //   a_i     = c + shift + R(rotation) (b_i(t) - c),   c the centre of what the morph aligns
 //   h       = the mean of a_i over the atoms that are held
 //
-// with b_i(t) from the morph. The last term is a stabiliser and no part of the molecule's energy:
-// it leads back to the conformation where the profiles are flat.
+// with b_i(t) from the morph and L_k the length of a path. Of paths on which bonds break and form
+// two cannot be gone at once: the last term keeps the molecule on one of them, and is 0 there. The
+// term before it is a stabiliser and no part of the molecule's energy: it leads back to the
+// conformation where the profiles are flat.
 //
 // A state is t_1 .. t_K (in [0, 1], or in [low, low + 1] where a path goes on behind its saddles),
 // shift (3, Å) and rotation (3, a rotation vector in rad).
@@ -97,6 +100,9 @@ class HybridEnergy {
   void place(const double* s, const double* x);
   void find_contacts();
   void find_held();
+  /// What keeps the molecule on one path at a time, kJ/mol, and its derivatives.
+  double between_branches() const;
+  void leave_branches(double* gradient, double* hessian) const;
   /// The tie's energy, kJ/mol.
   double tie_energy() const;
   /// The places in the tree's order at which a contact acts, each with the same share.
@@ -115,6 +121,7 @@ class HybridEnergy {
   std::vector<Profile> profiles_;
   std::vector<double> reach_;      // R_i + probe_radius by place in the tree's order
   std::vector<std::size_t> held_;  // places in the tree's order; none: the ball
+  double branches_ = 0;            // kJ/(mol Å⁴): keeps the molecule on one path at a time
   double unit_;                    // of a contact's push: the penalty, or 1 of a tie
   std::array<double, 3> centre_;
 

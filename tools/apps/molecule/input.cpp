@@ -18,8 +18,9 @@ namespace {
 constexpr double kHartree = 2625.4996394799;  // kJ/mol, CODATA 2018
 constexpr double kBonded =
     1.25;  // nearer than so many sums of covalent radii: as `hapgrid molecule` has it
-constexpr std::size_t kMinAtoms = 2;        // one atom has no orientation
-constexpr std::size_t kMinAtomsToTurn = 4;  // fewer have no torsion
+constexpr std::size_t kMinAtoms = 2;         // one atom has no orientation
+constexpr std::size_t kMinAtomsToTurn = 4;   // fewer have no torsion
+constexpr std::size_t kMinAtomsToReact = 3;  // fewer have no orientation
 
 [[noreturn]] void refuse_text(const std::string& where, const std::string& what) {
   throw std::runtime_error(where + ": " + what);
@@ -157,14 +158,18 @@ void check_connected(const Frame& frame, const std::string& where) {
   std::vector<int> part(frame.positions.size());
   for (std::size_t i = 0; i < part.size(); ++i) part[i] = static_cast<int>(i);
   // Few bonds: relabelling is fast enough.
-  for (const auto& [a, b] : frame.bonds) std::replace(part.begin(), part.end(), part[b], part[a]);
+  for (const auto& [a, b] : frame.bonds) {
+    const int from = part[b], to = part[a];  // std::replace changes what it would refer to
+    std::replace(part.begin(), part.end(), from, to);
+  }
   for (std::size_t i = 1; i < part.size(); ++i)
     if (part[i] != part[0])
       refuse_text(where, "not one molecule: no bonds lead from " + name(frame, 0) + " to " +
                              name(frame, static_cast<int>(i)));
 }
 
-void check_same_atoms(const Frame& conformation, const Frame& frame, const std::string& where) {
+void check_same_atoms(const Frame& conformation, const Frame& frame, const std::string& where,
+                      bool bonds_change) {
   if (frame.atoms.size() != conformation.atoms.size())
     refuse_text(where, std::to_string(frame.atoms.size()) + " atoms, the conformation has " +
                            std::to_string(conformation.atoms.size()));
@@ -173,6 +178,7 @@ void check_same_atoms(const Frame& conformation, const Frame& frame, const std::
       refuse_text(where, "atom " + std::to_string(i + 1) + " is " + frame.atoms[i]->symbol +
                              ", in the conformation " + conformation.atoms[i]->symbol +
                              "; is the order of the atoms the same?");
+  if (bonds_change) return;
   const auto check_bonds = [&](const Frame& one, const Frame& other, const char* how) {
     for (const auto& bond : one.bonds)
       if (!std::binary_search(other.bonds.begin(), other.bonds.end(), bond))
@@ -252,10 +258,10 @@ void check_climbs(const Path& path, const Where& here) {
 /// The path of one text's frames.
 /// @param energy_of_last of the transition state, kJ/mol, instead of what its frame's title gives
 Path path_of(const Frame& conformation, std::vector<Frame> frames, const std::string& where,
-             std::optional<double> energy_of_last) {
+             std::optional<double> energy_of_last, bool bonds_change) {
   const auto here = [&](std::size_t m) { return where + " frame " + std::to_string(m + 1); };
   for (std::size_t m = 0; m < frames.size(); ++m)
-    check_same_atoms(conformation, frames[m], here(m));
+    check_same_atoms(conformation, frames[m], here(m), bonds_change);
   Path path;
   if (frames.size() == 1) {
     path.nodes.push_back(conformation.positions);
@@ -309,13 +315,14 @@ double aligned_rmsd(const Positions& a, const Positions& b) {
 
 Molecule read_molecule(const std::string& conformation_text,
                        const std::vector<std::string>& transition_states,
-                       const std::vector<double>& energies) {
+                       const std::vector<double>& energies, bool bonds_change) {
   const std::vector<Frame> first = read_frames(conformation_text, "conformation");
   if (first.size() != 1)
     refuse_text("conformation", std::to_string(first.size()) + " frames, it must be one");
   const Frame& conformation = first[0];
-  check_connected(conformation, "conformation");
-  if (!transition_states.empty() && first[0].positions.size() < kMinAtomsToTurn)
+  if (!bonds_change) check_connected(conformation, "conformation");
+  const std::size_t least = bonds_change ? kMinAtomsToReact : kMinAtomsToTurn;
+  if (!transition_states.empty() && first[0].positions.size() < least)
     refuse_text("conformation", std::to_string(first[0].positions.size()) +
                                     " atoms have no torsion: transition_states must be empty");
   if (!energies.empty() && energies.size() != transition_states.size())
@@ -326,11 +333,20 @@ Molecule read_molecule(const std::string& conformation_text,
   molecule.atoms = conformation.atoms;
   molecule.bonds = conformation.bonds;
   molecule.conformation = conformation.positions;
+  molecule.bonds_change = bonds_change;
   for (std::size_t k = 0; k < transition_states.size(); ++k) {
     const std::string where = "transition_states[" + std::to_string(k) + "]";
-    molecule.paths.push_back(path_of(conformation, read_frames(transition_states[k], where), where,
-                                     energies.empty() ? std::nullopt : std::optional(energies[k])));
+    std::vector<Frame> frames = read_frames(transition_states[k], where);
+    if (bonds_change)
+      for (const Frame& frame : frames)
+        molecule.bonds.insert(molecule.bonds.end(), frame.bonds.begin(), frame.bonds.end());
+    molecule.paths.push_back(path_of(conformation, std::move(frames), where,
+                                     energies.empty() ? std::nullopt : std::optional(energies[k]),
+                                     bonds_change));
   }
+  std::sort(molecule.bonds.begin(), molecule.bonds.end());
+  molecule.bonds.erase(std::unique(molecule.bonds.begin(), molecule.bonds.end()),
+                       molecule.bonds.end());
   return molecule;
 }
 

@@ -38,6 +38,9 @@ struct Path {
 struct Molecule {
   std::vector<const Element*> atoms;
   std::vector<std::pair<int, int>> bonds;  // indices into atoms, each pair ascending, sorted
+  /// Whether bonds break and form on the paths: `bonds` has those of all frames, and of several
+  /// paths the molecule is on one at a time.
+  bool bonds_change = false;
   Positions conformation;
   std::vector<int> fixed;   // atoms that stay in their place while the shape changes; none: the
                             // molecule stays as a whole, by its mass
@@ -66,10 +69,12 @@ inline constexpr double kMinDistance = 0.5;
 /// title has that, too. Where it gives both they must agree.
 /// @param energies the energies of the transition states, kJ/mol, instead of those that their last
 /// frames give; may be empty
+/// @param bonds_change the frames may have other bonds than the conformation, and be of several
+/// molecules
 /// @throw std::runtime_error with one line that names the text, the frame and the atoms.
 Molecule read_molecule(const std::string& conformation,
                        const std::vector<std::string>& transition_states,
-                       const std::vector<double>& energies);
+                       const std::vector<double>& energies, bool bonds_change = false);
 
 /// The least RMS distance of two shapes over all rotations and translations, Å (W. Kabsch, Acta
 /// Cryst. A32 (1976) 922). A mirror image is another shape.

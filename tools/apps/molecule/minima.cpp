@@ -13,7 +13,8 @@ std::vector<std::vector<double>> combined_minima(const Molecule& molecule) {
     const Path& path = molecule.paths[k];
     const std::size_t before = all.size();
     for (const std::size_t node : path.minima)
-      for (std::size_t i = 0; i < before && all.size() <= kMaxMinima; ++i) {
+      for (std::size_t i = 0; i < (molecule.bonds_change ? 1 : before) && all.size() <= kMaxMinima;
+           ++i) {
         std::vector<double> t = all[i];
         t[k] = path.t(node);
         all.push_back(t);

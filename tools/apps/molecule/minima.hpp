@@ -14,8 +14,8 @@ namespace hapgrid::molecule {
 /// The most shapes. A point that nothing touches has a level for each, and levels are limited.
 inline constexpr std::size_t kMaxMinima = 64;
 
-/// The t of all combinations of the paths' minima; the first is the conformation, all 0. There are
-/// at most kMaxMinima + 1.
+/// The t of all combinations of the paths' minima, or of each path's alone where bonds break and
+/// form; the first is the conformation, all 0. There are at most kMaxMinima + 1.
 std::vector<std::vector<double>> combined_minima(const Molecule& molecule);
 
 /// Real-time safe after construction.

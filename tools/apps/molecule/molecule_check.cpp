@@ -81,14 +81,15 @@ class Checker {
                   energy_.morph().length(k), sanity_.worst_miss(k), describe(nearest).c_str(),
                   nearest.t[k]);
     }
-    if (paths > 1) std::printf("\npaths combined     nearest atoms on an 11 x 11 lattice\n");
-    for (std::size_t k = 0; k < paths; ++k)
+    if (paths > 1 && !molecule().bonds_change)
+      std::printf("\npaths combined     nearest atoms on an 11 x 11 lattice\n");
+    for (std::size_t k = 0; k < paths && !molecule().bonds_change; ++k)
       for (std::size_t l = k + 1; l < paths; ++l) {
         const AtomPair nearest = sanity_.nearest_on(k, l);
         std::printf("%zu and %zu            %s, at t = %.1f and %.1f\n", k, l,
                     describe(nearest).c_str(), nearest.t[k], nearest.t[l]);
       }
-    if (paths > 2) {
+    if (paths > 2 && !molecule().bonds_change) {
       const AtomPair nearest = sanity_.nearest_on_all();
       std::string where;
       for (const double t : nearest.t) where += (where.empty() ? "" : ", ") + rounded(t);
@@ -140,6 +141,7 @@ class Checker {
  private:
   const Molecule& molecule() const { return setup_.molecule; }
   std::string describe(const AtomPair& pair) const {
+    if (!std::isfinite(pair.share)) return "none";
     char line[40];
     std::snprintf(line, sizeof line, "%.2f, %.2f ", pair.distance, pair.share);
     return line + sanity_.names(pair);

@@ -172,7 +172,9 @@ Tree listed(const Molecule& molecule) {
 }  // namespace
 
 Morph::Morph(const Molecule& molecule)
-    : tree_(molecule.paths.empty() ? listed(molecule) : spanning_tree(molecule)),
+    : in_space_(molecule.bonds_change && !molecule.paths.empty()),
+      tree_(molecule.paths.empty() || in_space_ ? listed(molecule) : spanning_tree(molecule)),
+      first_(in_space_ ? 0 : 1),
       stride_(in_fours(tree_.size())),
       width_(in_fours(molecule.paths.size())) {
   if (molecule.paths.size() > kMaxPaths)
@@ -181,14 +183,12 @@ Morph::Morph(const Molecule& molecule)
                              " are possible");
   weigh(molecule);
   if (molecule.paths.empty()) return;
-  const Eigen::Matrix3d root = root_frame(tree_, molecule.conformation);
-  std::copy_n(root.data(), 9, root_frame_.begin());  // column by column: axis after axis
-  const Internal conformation =
-      internal_coordinates(tree_, molecule.conformation, nullptr, "conformation");
-  q0_ = flat(conformation, stride_);
+  if (in_space_) {
+    find_splines_in_space(molecule);
+  } else {
+    find_splines(molecule);
+  }
   const auto name = [](std::size_t k) { return "transition_states[" + std::to_string(k) + "]"; };
-  for (std::size_t k = 0; k < molecule.paths.size(); ++k)
-    paths_.push_back(spline(molecule.paths[k], conformation, name(k)));
   for (std::size_t k = 0; k < paths_.size(); ++k) {
     measure(molecule, k);
     paths_[k].closes = paths_[k].closes && meets(k);
@@ -196,6 +196,18 @@ Morph::Morph(const Molecule& molecule)
       throw std::runtime_error(name(k) +
                                ": the transition state has the shape of the conformation");
   }
+}
+
+/// Finds q of the conformation, and the splines of the paths.
+void Morph::find_splines(const Molecule& molecule) {
+  const Eigen::Matrix3d root = root_frame(tree_, molecule.conformation);
+  std::copy_n(root.data(), 9, root_frame_.begin());  // column by column: axis after axis
+  const Internal conformation =
+      internal_coordinates(tree_, molecule.conformation, nullptr, "conformation");
+  q0_ = flat(conformation, stride_);
+  for (std::size_t k = 0; k < molecule.paths.size(); ++k)
+    paths_.push_back(
+        spline(molecule.paths[k], conformation, "transition_states[" + std::to_string(k) + "]"));
 }
 
 /// Finds the weights, their centre, and the conformation as seen from there.
@@ -237,17 +249,23 @@ Morph::Spline Morph::spline(const Path& path, const Internal& conformation,
   for (std::size_t m = path.start + 1; m <= segments; ++m) add(m);
   last = conformation;
   for (std::size_t m = path.start; m-- > 0;) add(m);
-  const std::size_t n = q0_.size();
+  return through(path, nodes, path.closes);
+}
+
+/// The natural spline through nodes of q; or, where it closes, one that goes on as it began.
+Morph::Spline Morph::through(const Path& path, const std::vector<std::vector<double>>& nodes,
+                             bool closes) const {
+  const std::size_t segments = nodes.size() - 1, n = q0_.size();
   Spline spline{segments,   std::vector<double>(segments * 4 * n), 0,
-                path.low(), static_cast<double>(path.start),       path.closes};
+                path.low(), static_cast<double>(path.start),       closes};
   std::vector<double> values(segments + 1);
   for (std::size_t c = 0; c < n; ++c) {
     for (std::size_t m = 0; m <= segments; ++m) values[m] = nodes[m][c] - q0_[c];
     // Of one shape twice only torsions may differ, by whole turns.
-    if (path.closes)
+    if (closes)
       values[segments] =
           values[0] + 2 * kPi * std::round((values[segments] - values[0]) / (2 * kPi));
-    const std::vector<double> bend = path.closes ? closed_bends(values) : spline_bends(values);
+    const std::vector<double> bend = closes ? closed_bends(values) : spline_bends(values);
     for (std::size_t m = 0; m < segments; ++m) {
       double* a = &spline.coefficients[m * 4 * n + c];
       a[0] = values[m];
@@ -301,6 +319,11 @@ void Morph::interpolate(Shape& s) const {
 
 HAPGRID_WITH_AVX2
 void Morph::build(Shape& s) const {
+  if (in_space_) {
+    for (std::size_t i = 0; i < tree_.size(); ++i)
+      for (std::size_t a = 0; a < 3; ++a) s.local[3 * i + a] = s.q[a * stride_ + i];
+    return;
+  }
   sines_and_cosines(&s.q[stride_], s.sine.data(), s.cosine.data(), 2 * stride_);
   std::copy(root_frame_.begin(), root_frame_.end(), s.frame.begin());
   s.local[0] = s.local[1] = s.local[2] = 0;

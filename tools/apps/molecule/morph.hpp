@@ -8,6 +8,9 @@
 // change of place. Where the molecule says which of its atoms are fixed, these alone are aligned:
 // they stay in their place, and all others move against them.
 //
+// Where bonds break and form there is no tree of bonds. Then the positions themselves are what
+// splines interpolate, of nodes of which each is aligned to the one before it.
+//
 // The haptic loop needs a shape in microseconds. So the coefficients of all coordinates lie side by
 // side, all sines are computed in one loop that vectorises, the rebuilding only carries frames from
 // parents to children, and the alignment takes the largest root of a quartic (Theobald 2005).
@@ -132,6 +135,10 @@ class Morph {
   void measure(const Molecule& molecule, std::size_t k);
   bool meets(std::size_t k) const;
   Spline spline(const Path& path, const Internal& conformation, const std::string& where) const;
+  Spline through(const Path& path, const std::vector<std::vector<double>>& nodes,
+                 bool closes) const;
+  void find_splines(const Molecule& molecule);
+  void find_splines_in_space(const Molecule& molecule);
   void interpolate(Shape& shape) const;
   void build(Shape& shape) const;
   void align(Shape& shape) const;
@@ -145,9 +152,11 @@ class Morph {
   Moments moments(const std::vector<double>& velocities, std::size_t stride, std::size_t at) const;
   static void turn_back(const Shape& shape, const Four* p, double* turn, std::size_t stride);
 
+  bool in_space_;  // q is x, y and z of the atoms, from centre_
   Tree tree_;
-  std::size_t stride_;          // atoms, rounded up to a multiple of four
-  std::size_t width_;           // paths, rounded up to a multiple of four
+  std::size_t first_;   // the first atom that moves in the local frame: the root of a tree does not
+  std::size_t stride_;  // atoms, rounded up to a multiple of four
+  std::size_t width_;   // paths, rounded up to a multiple of four
   std::vector<double> weight_;  // in the alignment: the mass, or 0 of an atom that is not fixed
   double total_weight_ = 0;
   Eigen::Vector3d centre_;

@@ -50,7 +50,7 @@ HAPGRID_WITH_AVX2
 Morph::Moments Morph::moments(const std::vector<double>& velocities, std::size_t stride,
                               std::size_t at) const {
   Moments m{};
-  for (std::size_t i = 1; i < tree_.size(); ++i) {
+  for (std::size_t i = first_; i < tree_.size(); ++i) {
     for (std::size_t a = 0; a < 3; ++a) {
       const Four v = load<Four>(&velocities[(3 * i + a) * stride + at]);
       m.sum[3 * a] += v * weight_x_[i];
@@ -110,6 +110,12 @@ void Morph::differentiate(Shape& s) const {
 HAPGRID_WITH_AVX2
 void Morph::differentiate_tree(Shape& s) const {
   const std::size_t w = width_;
+  if (in_space_) {
+    for (std::size_t i = 0; i < tree_.size(); ++i)
+      for (std::size_t a = 0; a < 3; ++a)
+        std::copy_n(&s.rate[(a * stride_ + i) * w], w, &s.moving[(3 * i + a) * w]);
+    return;
+  }
   std::fill_n(s.turning.begin(), 3 * w, 0.0);
   std::fill_n(s.moving.begin(), 3 * w, 0.0);
   for (std::size_t i = 1; i < tree_.size(); ++i) {
@@ -247,7 +253,7 @@ void Morph::spread_pulls(Shape& s, const double* force, const double* u) const {
     turned[3 * a + 1] = r[6 + a] * u[0] - r[a] * u[2];
     turned[3 * a + 2] = r[a] * u[1] - r[3 + a] * u[0];
   }
-  for (std::size_t i = 1; i < tree_.size(); ++i)
+  for (std::size_t i = first_; i < tree_.size(); ++i)
     for (std::size_t a = 0; a < 3; ++a)
       s.pull[3 * i + a] -= weight_[i] * shared[a] + turned[3 * a] * weight_x_[i] +
                            turned[3 * a + 1] * weight_y_[i] + turned[3 * a + 2] * weight_z_[i];
@@ -262,7 +268,11 @@ HAPGRID_WITH_AVX2
 void Morph::sweep(Shape& s, double* sum) const {
   const std::size_t w = width_;
   std::fill(s.twist.begin(), s.twist.end(), 0.0);
-  for (std::size_t i = tree_.size() - 1; i > 0; --i) {
+  if (in_space_) {
+    for (std::size_t i = 0; i < tree_.size(); ++i)
+      for (std::size_t a = 0; a < 3; ++a) s.weight[a * stride_ + i] = s.pull[3 * i + a];
+  }
+  for (std::size_t i = in_space_ ? 0 : tree_.size() - 1; i > 0; --i) {
     const auto parent = static_cast<std::size_t>(tree_.parent[i]);
     const double *x0 = &s.frame[9 * parent], *x = &s.frame[9 * i], *z = x + 6;
     const double* pull = &s.pull[3 * i];

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <locale>
+#include <numeric>
 #include <set>
 #include <sstream>
 #include <stdexcept>
@@ -82,6 +83,8 @@ Setup read_setup(PluginParameters& parameters) {
   read(parameters, "hold_force", 0.1, 1e4, setup.energy.hold_force);
   read(parameters, "hold_width", 0.01, 10, setup.energy.hold_width);
   const std::vector<double> hold = parameters.numbers("hold"), fixed = parameters.numbers("fixed");
+  double bonds_change = 0;
+  read(parameters, "bonds_change", 0, 1, bonds_change);
   read(parameters, "substep", 0.001, 1, setup.substep);
   read(parameters, "tolerance", 1e-3, 1, setup.tolerance);
   read(parameters, "force_scale", 1e-9, 1e3, setup.force_scale);
@@ -92,12 +95,16 @@ Setup read_setup(PluginParameters& parameters) {
   parameters.finish();
   if (conformation.empty())
     throw std::runtime_error("parameter conformation is missing: an XYZ text");
-  setup.molecule = read_molecule(conformation, transition_states, energies);
+  setup.molecule = read_molecule(conformation, transition_states, energies, bonds_change != 0);
   Molecule& molecule = setup.molecule;
   setup.energy.hold = read_atoms("hold", hold, molecule.atoms.size());
   molecule.fixed = read_atoms("fixed", fixed, molecule.atoms.size());
   if (!fixed.empty() && !span_a_plane(molecule.conformation, molecule.fixed))
     throw std::runtime_error("parameter fixed: its atoms lie on a line, which could turn");
+  std::vector<int> all(molecule.atoms.size());
+  std::iota(all.begin(), all.end(), 0);
+  if (molecule.bonds_change && !span_a_plane(molecule.conformation, all))
+    throw std::runtime_error("conformation: all atoms lie on a line, which could turn");
   for (const std::string& text : torsions)
     setup.torsions.push_back(read_torsion(text, setup.molecule.atoms.size()));
   for (const Path& path : setup.molecule.paths)
