@@ -58,6 +58,13 @@ def parser() -> Parser:
     p = Parser(prog="hapgrid molecule", description=ABOUT, epilog=AFTERWARDS, formatter_class=formatter,
                allow_abbrev=False, usage="hapgrid molecule (FILE | --smiles SMILES) -o DIR [options]")
     p.add_argument("file", metavar="FILE", nargs="?", help="file of the molecule: .sdf, .mol, .mol2, .pdb or .xyz")
+    p.add_argument("more", metavar="FILE", nargs="*", help="with --path, other paths that have an end in common with the first")
+    p.add_argument("--path", action="store_true",
+                   help="take the frames of FILE as a path, on which bonds may break and form: XYZ, extended XYZ, or a "
+                   "trajectory of ASE")
+    p.add_argument("--unit", type=str.lower, choices=("hartree", "ev", "kj/mol", "kcal/mol"),
+                   help="with --path, unit of the energies in the titles (default: as the title says; energy= is in eV, and "
+                   "others in hartree; without energies xtb computes them)")
     p.add_argument("--smiles", help="molecule as SMILES, whose conformers are searched")
     p.add_output("processes and threads")
     p.add_argument("--charge", type=number(-9, 9, int), metavar="E",
@@ -109,6 +116,10 @@ def _options(arguments: Sequence[str]) -> Namespace:
         raise UsageError("give either FILE or --smiles (see --help)")
     if o.smiles is not None and o.search:
         raise UsageError("--search: conformers of --smiles are searched anyway (see --help)")
+    if o.more and not o.path or o.unit and not o.path:
+        raise UsageError("several files, and --unit, go with --path alone (see --help)")
+    if o.path and (o.smiles is not None or o.push or o.basins or o.search or o.torsions or o.single_points):
+        raise UsageError("--path: what moves is given by FILE (see --help)")
     if o.push and (o.hold is not None or o.soft):
         raise UsageError("--push: the hand holds no atom (see --help)")
     o.beyond = o.basins or not o.push  # whether paths go on behind their barriers

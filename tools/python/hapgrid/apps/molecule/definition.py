@@ -23,6 +23,7 @@ PROBE = 1.2  # angstrom
 PENALTY = 100  # kJ/(mol Å²)
 CLEAR = 0.3  # angstrom from touching, where a push begins; and a cell more, which is then at rest
 MAX_LEVELS = 64
+FORCE_SCALE = 0.025  # newtons on the device for 1 kJ/(mol Å)
 # The definition's comment on the stiffness.
 WHY = """\
 # From the Hessian at the conformation: where a torsion moves an atom farthest the anchors yield half as
@@ -52,6 +53,8 @@ class Definition:
     stiffness: Stiffness = Stiffness()
     seconds: float | None = None
     held: tuple[Sequence[int], Sequence[int], Tie] | None = None  # (atoms, fixed, tie), where the hand holds something
+    bonds_change: bool = False  # on the paths
+    force_scale: float = FORCE_SCALE
 
     @classmethod
     def around(cls, molecule: Molecule, result: Result, paths: Sequence[str], basins: bool = False, spacing: float = 0.0,
@@ -69,13 +72,14 @@ class Definition:
         cell = spacing or round(math.ceil(float((high - low).max()) / (COARSE_POINTS - 3) / 0.05 - 1e-9) * 0.05, 2)
         more = np.reshape(room or np.zeros(6), (2, 3))
         return cls(f"{molecule.formula}, {len(molecule.numbers)} atoms", paths, low - cell - more[0],
-                   high + cell + more[1], cell, basins=basins)
+                   high + cell + more[1], cell, basins=basins, bonds_change=molecule.bonds_change)
 
     def counts(self) -> list[int]:
         cells = np.ceil((self.high - self.low) / self.spacing - 1e-9).astype(int)
         return [max(int(n) + 1, LEAST_POINTS) for n in cells]
 
     def text(self) -> str:
+        change = "bonds_change = 1          # shapes are joined in space; the molecule is on one path at a time\n" * self.bonds_change
         why = HELD_WHY if self.held else "" if self.basins or not self.paths else WHY
         origin = (self.low + self.high - (np.array(self.counts()) - 1) * self.spacing) / 2
         paths = "".join(f'  "{name}.xyz",\n' for name in self.paths)
@@ -115,8 +119,8 @@ rotation_stiffness = {f"{rotation:g}":<4} # and of that which holds its orientat
 morph_stiffness = {f"{self.stiffness.morph:g}":<7} # stabiliser ½ m t² of each t, kJ/mol; no part of the molecule's energy
 substep = 0.05            # of the HIP between two minimisations, Å
 tolerance = 0.1           # states whose atoms are no farther apart, RMS, are one; Å
-force_scale = 0.025       # newtons on the device for 1 kJ/(mol Å)
-{names}
+force_scale = {f"{self.force_scale:g}":<11} # newtons on the device for 1 kJ/(mol Å)
+{change}{names}
 [grid]
 origin = {[round(float(v), 4) for v in origin]}
 spacing = {self.spacing:g}

@@ -143,11 +143,11 @@ def _xyz(text: str, given: Input) -> None:
             f": frame {order[0] + 1}, of lowest energy, is taken" if known else ", without energies: the first is taken"))
         frames = [frames[order[0]]]
     for one in frames:
-        charge, unpaired = _charge_in(one.title, given.what)
+        charge, unpaired = charge_in(one.title, given.what)
         given.records.append(Record(with_bonds(one.numbers, one.x, given.what), charge=charge, unpaired=unpaired))
 
 
-def _charge_in(title: str, what: str) -> tuple[int | None, int | None]:
+def charge_in(title: str, what: str) -> tuple[int | None, int | None]:
     """(charge, unpaired electrons) that a title gives, each None where it does not: charge=-1, charge: -1, charge -1,
     multiplicity 2, or -1 1 alone, as the inputs of most programs have it."""
     pair = re.fullmatch(r"\s*([+-]?\d)\s+([1-9])\s*", title)

@@ -109,11 +109,11 @@ def way(x: Array, atoms: Sequence[int]) -> Array:
 
 def _goes(torsion: Torsion, x: Array, hold: Hold, masses: Array) -> float:
     """How far a torsion alone moves what is held, angstrom."""
-    turned = geometry.aligned(torsion.turned(x, TURN), x, _weights(masses, hold.fixed))
+    turned = geometry.aligned(torsion.turned(x, TURN), x, weights(masses, hold.fixed))
     return float(np.linalg.norm(way(turned, hold.atoms) - way(x, hold.atoms))) * BOHR
 
 
-def _weights(masses: Array, fixed: Sequence[int]) -> Array:
+def weights(masses: Array, fixed: Sequence[int]) -> Array:
     if not fixed:
         return masses
     out = np.zeros(len(masses))
@@ -167,6 +167,9 @@ def decided(start: Start, result: Result) -> Hold | None:
     o, found = start.options, {f.name for f in result.found}
     if o.push or not found:
         return None
+    if start.given:
+        from . import along  # which imports this one
+        return along.hold(start.molecule, result, o.hold)
     for hold in candidates(start.molecule, start.turning, o.hold, result.x):
         torsions = tuple(t for t in hold.torsions if t.name in found)
         if torsions:
@@ -181,10 +184,10 @@ def decided(start: Start, result: Result) -> Hold | None:
 
 def ways(result: Result, hold: Hold, names: Collection[str]) -> dict[str, tuple[Array, Array]]:
     """{name of a path: (places of what is held at its nodes, Å; energies at the nodes, kJ/mol)}"""
-    weights, out = _weights(result.masses, hold.fixed), {}
+    weight, out = weights(result.masses, hold.fixed), {}
     for f in result.found:
         if f.name in names:
-            shapes = [geometry.aligned(node, result.x, weights) for node in f.nodes]
+            shapes = [geometry.aligned(node, result.x, weight) for node in f.nodes]
             out[f.name] = (np.array([way(shape, hold.atoms) for shape in shapes]) * BOHR,
                            (np.array(f.energies) - result.energy) * HARTREE)
     return out
@@ -203,8 +206,8 @@ def tie(result: Result, hold: Hold, names: Collection[str], soft: bool) -> Tie:
         slope, bend = max(slope, np.abs(energy(fine, 1)).max()), max(bend, -energy(fine, 2).min())
     stiffness = float(np.clip((SOFT if soft else STIFF) * bend, 0 if soft else LEAST_TIE, MOST_TIE))
     force = max(PULLS * slope, LEAST_PULL)
-    weights = _weights(result.masses, hold.fixed)
-    centre = weights @ result.x / weights.sum()
+    weight = weights(result.masses, hold.fixed)
+    centre = weight @ result.x / weight.sum()
     # The tie's width, force / stiffness, is at most 10 Å.
     return Tie(force, max(stiffness, force / 10), float(np.linalg.norm(way(result.x, hold.atoms) - centre)) * BOHR)
 

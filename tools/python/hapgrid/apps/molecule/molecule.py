@@ -27,18 +27,20 @@ class BadInput(Failed):
 class Molecule:
     """numbers: elements; positions: angstrom; neighbours: of each atom; double: pairs (j < k) of the bonds that do not turn,
     which are double bonds and amides; charge: e; unpaired: electrons; built: whether its shape was; said: what was decided
-    when it was read, in lines; formula: with the charge; rd: RDKit's molecule."""
+    when it was read, in lines; formula: with the charge; rd: RDKit's molecule; bonds_change: whether they do on its paths,
+    where it may be several molecules."""
 
     def __init__(self, what: str, numbers: Sequence[int], positions: Array | Sequence[Sequence[float]],
                  charges: Sequence[int], bonds: Sequence[tuple[int, int, int]], charge: int, unpaired: int = 0,
-                 built: bool = False, said: Sequence[str] = ()) -> None:
+                 built: bool = False, said: Sequence[str] = (), bonds_change: bool = False) -> None:
         """charges: of the atoms; bonds: (atom, atom, order 1, 2 or 3)."""
         self.numbers = [int(z) for z in numbers]
         self.positions = np.array(positions, float).reshape(-1, 3)
         if len(self.numbers) < 2 or 0 in self.numbers:
             raise BadInput(f"{what}: not a molecule of two atoms or more")
         self.rd = rdkit_molecule(self.numbers, charges, bonds)
-        if len(Chem.GetMolFrags(self.rd)) > 1:
+        self.bonds_change = bonds_change
+        if len(Chem.GetMolFrags(self.rd)) > 1 and not bonds_change:
             raise BadInput(f"{what}: more than one molecule")
         self.charge, self.unpaired, self.built, self.said = charge, unpaired, built, said
         self.formula = rdMolDescriptors.CalcMolFormula(self.rd)

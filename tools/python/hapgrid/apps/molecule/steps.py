@@ -18,7 +18,7 @@ from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import Failed, digest_of, read_bytes
 from hapgrid.apps.common.work import Work, about
 
-from . import (files, geometry, grids, holding, molecule, optimise, page, path_selection, probe_lines, reading, rotors,
+from . import (along, files, geometry, grids, holding, molecule, optimise, page, path_selection, probe_lines, reading, rotors,
                single_points, stereo, structures)
 from .cli import GFN2_ATOMS
 from .molecule import signed
@@ -39,9 +39,8 @@ ALGEBRA = 0.09
 @dataclass
 class Start:
     """The molecule that is felt, and what the steps have in common. options: of the command line; source: of the molecule, in
-    words; search: whether conformers are searched; method: of xtb; turning: bonds (torsions.Torsion);
-    isomer: which no step may leave; told: the
-    same in words."""
+    words; given: paths of its own, or None; search: whether conformers are searched; method: of xtb; turning: bonds (torsions.Torsion);
+    isomer: which no step may leave, told: the same in words."""
     options: Namespace
     folder: Work
     molecule: molecule.Molecule
@@ -51,6 +50,7 @@ class Start:
     turning: list[Torsion]
     isomer: stereo.Isomer
     told: str
+    given: dict[str, Any] | None = None  # of along.read()
 
     @property
     def words(self) -> str:
@@ -77,8 +77,9 @@ class Start:
 
 def run(options: Namespace) -> str:
     """Everything, or all until --until; the line for standard output."""
-    load()  # before all else: where xtb is missing, that is one line
-    start = read(options)
+    if not options.path:
+        load()  # before all else: where xtb is missing, that is one line
+    start = read_path(options) if options.path else read(options)
     shapes = find_structures(start)
     if options.until != "structures":
         definition = grids.make_grid(start, shapes)
@@ -125,8 +126,25 @@ def read(o: Namespace) -> Start:
     return Start(o, folder, one, source, o.search or one.built, method, turning, isomer, told)
 
 
+def read_path(o: Namespace) -> Start:
+    """The same with paths of its own. They are read each time: reading is fast."""
+    folder = Work("molecule", o.output, o.quiet)
+    given = along.read([o.file, *o.more], o.charge, o.uhf, o.unit)
+    for line in given["said"]:
+        folder.say("  " + line)
+    one = along.molecule(given)
+    folder.enter()
+    counts = ", ".join(str(len(shapes)) for _, shapes in given["paths"])
+    folder.say(f"  {one.formula}, {len(one.numbers)} atoms, charge {signed(one.charge)}, paths of {counts} frames")
+    source = ", ".join(os.path.basename(f) for f in (o.file, *o.more))
+    return Start(o, folder, one, source, False, "gfn2" if o.method == "auto" else o.method, [],
+                 stereo.Isomer([]), "", given)
+
+
 def find_structures(start: Start) -> Result:
     o, folder = start.options, start.folder
+    if start.given:
+        return along.found(start)
     frames = reading.ensemble(o.file) if o.basins else []  # between whose minima paths are looked for
     shapes = [(n, x) for n, x in frames if len(x) == len(start.molecule.numbers)]
     if len(shapes) > ENSEMBLE:
