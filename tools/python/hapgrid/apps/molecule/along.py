@@ -37,6 +37,7 @@ ONE_END = 0.05  # angstrom between ends of paths that are one
 ONE_ENERGY = 1.0  # kJ/mol, there
 UNEVEN, MOST_NODES = 2.5, 61  # steps of a path, the longest by the shortest; nodes of it
 LIGHT = 0.4  # of what a hydrogen atom moves: another atom is held sooner
+MOST_PARTS = 3  # that are tried as what stays
 RIGID = 0.15  # angstrom that distances in a part change that keeps its shape
 EVEN_STEP = 1e-6
 MOST_FORCE = 1.2  # newtons
@@ -310,47 +311,53 @@ def _one(a: tuple[Array, float], b: tuple[Array, float], here: str, there: str) 
 # What is held
 
 def hold(molecule: Molecule, result: Result, wanted: str | None) -> Hold:
-    """The atom of which all minima of the paths have different places, farthest from each other; or those of --hold. Where a
-    path closes what keeps its shape is fixed, so that it comes to its place again."""
-    places = _places(result)
-    atoms: Sequence[int]
-    if wanted is None:
-        least = [min((float(np.linalg.norm(a[n] - b[n])) for k, a in enumerate(places) for b in places[:k]), default=0.0)
-                 * (LIGHT if z == 1 else 1) for n, z in enumerate(result.numbers)]
-        atoms = (int(np.argmax(least)),)
-    else:
-        atoms = named(molecule, wanted)
-    if all(apart(f.nodes[0], f.nodes[-1]) * BOHR > mending.SAME for f in result.found):
-        return Hold(tuple(atoms), (), ())
-    return Hold(tuple(atoms), _rigid(result, atoms), ())
+    """What of the molecule the hand holds, and what stays: the atom, or those of --hold, of which all minima of the paths have
+    places far from each other. What stays is a part that keeps its shape; or the whole by its mass, unless a path closes, since
+    such a path must come to its place again."""
+    atoms = [[n] for n in range(len(result.numbers))] if wanted is None else [list(named(molecule, wanted))]
+    closes = any(apart(f.nodes[0], f.nodes[-1]) * BOHR <= mending.SAME for f in result.found)
+    best = Hold(tuple(atoms[0]), (), ())
+    most = 0.0
+    for fixed in [*([()] if not closes else []), *_rigid(result)]:
+        places = _places(result, fixed)
+        for some in atoms:
+            if set(some) & set(fixed):
+                continue
+            light = all(result.numbers[a] == 1 for a in some)
+            least = min((float(np.linalg.norm(holding.way(a, some) - holding.way(b, some)))
+                         for k, a in enumerate(places) for b in places[:k]), default=0.0) * (LIGHT if light else 1)
+            if least > most + 0.05:
+                best, most = Hold(tuple(some), fixed, ()), least
+    return best
 
 
-def _places(result: Result) -> list[Array]:
-    """Shapes in the minima and at the ends of all paths, as the conformation lies; of ends that close not the second."""
+def _places(result: Result, fixed: Sequence[int]) -> list[Array]:
+    """Shapes in the minima and at the ends of all paths, as the conformation lies, angstrom; of ends that meet one."""
+    weights = holding.weights(result.masses, fixed)
     out = [result.x]
     for f in result.found:
-        ends = {0, len(f.nodes) - 1} if apart(f.nodes[0], f.nodes[-1]) * BOHR > mending.SAME else {0}
-        for k in sorted(ends | set(_kinds([e * HARTREE for e in f.energies], f.start))):
-            if k != f.start:
-                out.append(geometry.aligned(f.nodes[k], result.x, result.masses))
+        ends = {0, len(f.nodes) - 1} if apart(f.nodes[0], f.nodes[-1]) * BOHR > mending.SAME else set()
+        out += [geometry.aligned(f.nodes[k], result.x, weights)
+                for k in sorted(ends | {k for k, kind in _kinds([e * HARTREE for e in f.energies], f.start).items()
+                                        if kind == "minimum"}) if k != f.start]
     return [x * BOHR for x in out]
 
 
-def _rigid(result: Result, held: Sequence[int]) -> tuple[int, ...]:
-    """The largest part without what is held that keeps its shape on all paths."""
+def _rigid(result: Result) -> list[tuple[int, ...]]:
+    """Parts that keep their shape on all paths and say how the molecule is turned, the heaviest first."""
     nodes = np.array([x for f in result.found for x in f.nodes]) * BOHR
     distance = np.linalg.norm(nodes[:, :, None] - nodes[:, None], axis=3)
     stable = np.ptp(distance, axis=0) < RIGID
-    parts = []
-    for first in set(range(len(result.numbers))) - set(held):
+    parts = set()
+    for first in range(len(result.numbers)):
         part = [first]
-        for n in sorted(set(range(len(result.numbers))) - set(held) - {first}, key=lambda n: -stable[n].sum()):
+        for n in sorted(set(range(len(result.numbers))) - {first}, key=lambda n: (-stable[n].sum(), n)):
             if stable[n, part].all():
                 part.append(n)
-        parts.append(sorted(part))
-    best = max(parts, key=lambda part: (result.masses[part].sum(), part))
-    spread = np.linalg.svd(geometry.centred(result.x[best], np.ones(len(best))), compute_uv=False)
-    return tuple(best) if len(best) > 2 and spread[1] > 0.2 else ()
+        spread = np.linalg.svd(geometry.centred(result.x[part], np.ones(len(part))), compute_uv=False)
+        if 2 < len(part) < len(result.numbers) and spread[1] > 0.4:
+            parts.add(tuple(sorted(part)))
+    return sorted(parts, key=lambda part: (-result.masses[list(part)].sum(), part))[:MOST_PARTS]
 
 
 def force_scale(result: Result, hold: Hold) -> float:

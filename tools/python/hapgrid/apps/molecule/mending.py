@@ -24,6 +24,7 @@ SAME = 2e-3  # angstrom: frames that are nearer are one
 FAR = 5.0  # times the usual step: a frame that is farther from all others is no neighbour of theirs
 ROUNDING = 0.05  # angstrom, of such a distance
 SHORTER = 0.8  # of the way in the order of the file: an order with a shorter one is right
+ROUND = 8  # frames that lead round, at least
 GAP, LEAST_GAP = 8.0, 0.4  # times the usual step, and angstrom: frames are missing between
 TURNS = [np.diag(v) for v in ([1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1])]
 
@@ -60,13 +61,20 @@ def mended(shapes: Sequence[Shape], what: str, say: Callable[[str], object]) -> 
         raise BadInput(f"{what}: {len(shapes)} frames: a path needs {LEAST} to {MOST}")
     out, closes = _once(_alike(list(shapes), what, say), what, say)
     out = _in_order(out, say)
-    out += [replace(out[0], number=closes.number)] if closes else []
     steps = [apart(a.x, b.x) for a, b in zip(out, out[1:])]
     usual, k = float(np.median(steps)), int(np.argmax(steps))
+    if not closes and len(out) >= ROUND and apart(out[0].x, out[-1].x) < 1.5 * usual:
+        say("the last frame leads on to the first: the path closes")
+        closes = True
+    out += out[:1] * closes
     if steps[k] > max(GAP * usual, LEAST_GAP):
-        raise BadInput(f"{what}: frames {out[k].number} and {out[k + 1].number} are {steps[k]:.2f} angstrom apart, most others "
-                       f"{usual:.2f}: frames are missing between them")
+        raise _gap(what, out[k], out[k + 1], usual)
     return out
+
+
+def _gap(what: str, a: Shape, b: Shape, usual: float) -> BadInput:
+    return BadInput(f"{what}: frames {a.number} and {b.number} are {apart(a.x, b.x):.2f} angstrom apart, most others {usual:.2f}: "
+                    "frames are missing between them")
 
 
 def _distances(shapes: Sequence[Shape]) -> Array:
@@ -88,23 +96,24 @@ def _alike(shapes: list[Shape], what: str, say: Callable[[str], object]) -> list
     joined = _joined(distances < limit)
     turned: dict[str, list[int]] = {}
     while len(joined) < len(shapes):
-        best: tuple[float, int, Shape, str] | None = None
-        for k in set(range(len(shapes))) - joined:
-            for one, how in _variants(shapes[k], [shapes[j] for j in sorted(joined)]):
-                off = min(apart(one.x, shapes[j].x) for j in joined)
-                if best is None or off < best[0]:
-                    best = off, k, one, how
-        if best is None or best[0] > limit:
-            k = min(set(range(len(shapes))) - joined)
-            far = min((distances[k, j] for j in joined), default=np.inf)
-            how = f"{far:.2f} angstrom from the nearest other" if np.isfinite(far) else "numbered otherwise than all others"
-            raise BadInput(f"{what}: frame {shapes[k].number} is {how}, neighbours are {limit / FAR:.2f} apart: no path leads there")
-        _, k, shapes[k], how = best
-        turned.setdefault(how, []).append(shapes[k].number)
+        left = set(range(len(shapes))) - joined
+        k = min(left, key=lambda k: (min(abs(j - k) for j in joined), k))
+        beside = sorted(joined, key=lambda j: (abs(j - k), j))  # the frames beside it in the file are likely its neighbours
+        near, one, how = _best(shapes[k], [shapes[j] for j in beside[:2]])
+        if near > limit:
+            near, one, how = _best(shapes[k], [shapes[j] for j in beside[::max(1, len(beside) // 12)]])
+        if near > limit:
+            k, j = min(((k, j) for k in left for j in joined), key=lambda pair: distances[pair])
+            if not np.isfinite(distances[k, j]):
+                raise BadInput(f"{what}: the atoms of frame {shapes[k].number} are numbered otherwise than those of all others, and "
+                               "it is like none of them")
+            raise _gap(what, shapes[min(j, k)], shapes[max(j, k)], float(np.median(steps)))
+        shapes[k] = one
+        turned.setdefault(how, []).append(one.number)
         joined.add(k)
         for j, other in enumerate(shapes):
-            near = apart(other.x, shapes[k].x) if j != k and other.numbers == shapes[k].numbers else np.inf
-            distances[j, k] = distances[k, j] = near
+            far = apart(other.x, one.x) if j != k and other.numbers == one.numbers else np.inf
+            distances[j, k] = distances[k, j] = far
         joined |= _joined(distances < limit, k)
     for how, numbers in turned.items():
         say(f"frame{'s' * (len(numbers) > 1)} {listed([str(n) for n in sorted(numbers)])}: {how}")
@@ -122,20 +131,21 @@ def _joined(near: Array, first: int | None = None) -> set[int]:
         parts.append(set(part))
         if first is not None:
             break
-    return max(parts, key=lambda part: (len(part), -min(part)))
+    # The numbers of the first frame are what people know, unless it is one of few.
+    return max(parts, key=lambda part: (0 in part and 4 * len(part) >= len(near), len(part), -min(part)))
 
 
-def _variants(one: Shape, others: Sequence[Shape]) -> list[tuple[Shape, str]]:
-    """A shape mirrored, and numbered as the nearest of the others is."""
-    out = []
+def _best(one: Shape, others: Sequence[Shape]) -> tuple[float, Shape, str]:
+    """(how far it is from the nearest of the others, the shape mirrored or numbered as they are, which of these)"""
+    found = []
     mirrored = replace(one, x=one.x * [1, 1, -1])
-    if one.numbers == others[0].numbers:
-        out.append((mirrored, "a mirror image of its neighbours, turned back"))
-    for shape in (one, mirrored):
-        found = [_renumbered(shape, other) for other in others[::max(1, len(others) // 8)]]
-        how = "its atoms are numbered otherwise" + ", and it is a mirror image" * (shape is mirrored)
-        out.append((min(found, key=lambda f: f[1])[0], how + ": put right"))
-    return out
+    for other in others:
+        if one.numbers == other.numbers:
+            found.append((apart(mirrored.x, other.x), mirrored, "a mirror image of its neighbours, turned back"))
+        for shape, also in ((one, ""), (mirrored, ", and it is a mirror image")):
+            alike, far = _renumbered(shape, other)
+            found.append((far, alike, f"its atoms are numbered otherwise{also}: put right"))
+    return min(found, key=lambda f: round(f[0], 6))
 
 
 def _renumbered(one: Shape, other: Shape) -> tuple[Shape, float]:
@@ -168,17 +178,19 @@ def _spread(y: Array, order: Array) -> Array:
     return out
 
 
-def _once(shapes: list[Shape], what: str, say: Callable[[str], object]) -> tuple[list[Shape], Shape | None]:
-    """(each frame once, the last one where only that is the first one again)."""
+def _once(shapes: list[Shape], what: str, say: Callable[[str], object]) -> tuple[list[Shape], bool]:
+    """(each frame once, whether the file ends with the first one again)."""
     distances = _distances(shapes)
     again = [k for k in range(1, len(shapes)) if distances[k, :k].min() < SAME]
-    closes = again == [len(shapes) - 1] and int(distances[-1, :-1].argmin()) == 0
     out = [one for k, one in enumerate(shapes) if k not in again]
-    if again and not closes:
-        say(f"frame{'s' * (len(again) > 1)} {listed([str(shapes[k].number) for k in again])}: there already, left out")
+    tail = [k for k in again if k > shapes.index(out[-1]) and distances[k, 0] < SAME]
+    closes = bool(tail) and 4 * (len(again) - len(tail)) < len(out)
+    doubled = [k for k in again if not closes or k != tail[0]]
+    if doubled:
+        say(f"frame{'s' * (len(doubled) > 1)} {listed([str(shapes[k].number) for k in doubled])}: there already, left out")
     if len(out) < LEAST:
         raise BadInput(f"{what}: {len(out)} different frames: a path needs {LEAST}")
-    return out, shapes[-1] if closes else None
+    return out, closes
 
 
 def _in_order(shapes: list[Shape], say: Callable[[str], object]) -> list[Shape]:
