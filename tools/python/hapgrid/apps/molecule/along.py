@@ -7,6 +7,7 @@ keeps the molecule on one of them at a time.
 
 from __future__ import annotations
 
+import itertools
 import os
 import re
 from collections.abc import Callable, Sequence
@@ -37,6 +38,7 @@ ONE_END = 0.05  # angstrom between ends of paths that are one
 ONE_ENERGY = 1.0  # kJ/mol, there
 UNEVEN, MOST_NODES = 2.5, 61  # steps of a path, the longest by the shortest; nodes of it
 LIGHT = 0.4  # of what a hydrogen atom moves: another atom is held sooner
+CLEAR_WAY, LEAST_WAY = 0.3, 0.05  # angstrom between its places in two minima: what is held tells them apart
 MOST_PARTS = 3  # that are tried as what stays
 RIGID = 0.15  # angstrom that distances in a part change that keeps its shape
 EVEN_STEP = 1e-6
@@ -312,23 +314,36 @@ def _one(a: tuple[Array, float], b: tuple[Array, float], here: str, there: str) 
 
 def hold(molecule: Molecule, result: Result, wanted: str | None) -> Hold:
     """What of the molecule the hand holds, and what stays: the atom, or those of --hold, of which all minima of the paths have
-    places far from each other. What stays is a part that keeps its shape; or the whole by its mass, unless a path closes, since
-    such a path must come to its place again."""
-    atoms = [[n] for n in range(len(result.numbers))] if wanted is None else [list(named(molecule, wanted))]
+    places far from each other, or two atoms, where one does not tell them apart. What stays is a part that keeps its shape; or
+    the whole by its mass, unless a path closes, since such a path must come to its place again."""
     closes = any(apart(f.nodes[0], f.nodes[-1]) * BOHR <= mending.SAME for f in result.found)
-    best = Hold(tuple(atoms[0]), (), ())
-    most = 0.0
-    for fixed in [*([()] if not closes else []), *_rigid(result)]:
-        places = _places(result, fixed)
-        for some in atoms:
-            if set(some) & set(fixed):
+    fixed = [*([()] if not closes else []), *_rigid(result)]
+    if wanted is not None:
+        return _farthest(result, [named(molecule, wanted)], fixed)[0]
+    count = range(len(result.numbers))
+    one, far = _farthest(result, [(n,) for n in count], fixed)
+    if far < CLEAR_WAY:
+        two, farther = _farthest(result, list(itertools.combinations(count, 2)), fixed)
+        one, far = (two, farther) if farther > 1.5 * far else (one, far)
+    if far < LEAST_WAY:
+        raise Failed("--path: no atom, nor the centre of two, has another place in each minimum: say what is held by --hold")
+    return one
+
+
+def _farthest(result: Result, candidates: Sequence[Sequence[int]], fixed: Sequence[Sequence[int]]) -> tuple[Hold, float]:
+    """(the best Hold of some atoms, how far its nearest places in two minima are from each other, angstrom; of one hydrogen less)"""
+    best, most = Hold(tuple(candidates[0]), (), ()), 0.0
+    for stay in fixed:
+        places = np.array(_places(result, stay))
+        for some in candidates:
+            if set(some) & set(stay):
                 continue
-            light = all(result.numbers[a] == 1 for a in some)
-            least = min((float(np.linalg.norm(holding.way(a, some) - holding.way(b, some)))
-                         for k, a in enumerate(places) for b in places[:k]), default=0.0) * (LIGHT if light else 1)
+            at = places[:, list(some)].mean(axis=1)
+            least = float(np.min([np.linalg.norm(a - b) for k, a in enumerate(at) for b in at[:k]], initial=9.0))
+            least *= LIGHT if len(some) == 1 and result.numbers[some[0]] == 1 else 1
             if least > most + 0.05:
-                best, most = Hold(tuple(some), fixed, ()), least
-    return best
+                best, most = Hold(tuple(some), tuple(stay), ()), least
+    return best, most
 
 
 def _places(result: Result, fixed: Sequence[int]) -> list[Array]:

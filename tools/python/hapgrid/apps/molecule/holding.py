@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 STIFF, SOFT = 2.0, 0.5  # times the largest -E'': the tie's stiffness
 LEAST_TIE, MOST_TIE = 20.0, 4000.0  # kJ/(mol Å²); a softer one is a rubber band, where barriers are low
 PULLS = 4.0  # times the largest slope: the most that the tie pulls
-LEAST_PULL = 20.0  # kJ/(mol Å)
+LEAST_PULL, MOST_PULL = 20.0, 1e4  # kJ/(mol Å)
 ANCHORS = 5.0  # times the tie, at the held atom: so much stiffer are the springs that hold the molecule
 LEAST_WAY = 0.4  # angstrom: a torsion that moves the held atom less far cannot be felt there
 TURN = np.radians(120)  # by which it is turned to see that
@@ -205,7 +205,7 @@ def tie(result: Result, hold: Hold, names: Collection[str], soft: bool) -> Tie:
         fine = np.linspace(0, along[-1], 20 * len(along))
         slope, bend = max(slope, np.abs(energy(fine, 1)).max()), max(bend, -energy(fine, 2).min())
     stiffness = float(np.clip((SOFT if soft else STIFF) * bend, 0 if soft else LEAST_TIE, MOST_TIE))
-    force = max(PULLS * slope, LEAST_PULL)
+    force = float(np.clip(PULLS * slope, LEAST_PULL, MOST_PULL))
     weight = weights(result.masses, hold.fixed)
     centre = weight @ result.x / weight.sum()
     # The tie's width, force / stiffness, is at most 10 Å.
