@@ -1,13 +1,35 @@
 #include "tools/apps/molecule/energy.hpp"
 
+#include <sstream>
+
 #include "tests/unit/catch.hpp"
 #include "tests/unit/molecule/reference.hpp"
 
 using namespace molecules;
+using Catch::Matchers::StartsWith;
 
 namespace {
 
 const EnergyParameters kParameters{1.3, 150, 30, 120, 4};
+
+std::string first_frame() {
+  const std::string whole = text("paths", "sn2.xyz");
+  return whole.substr(0, whole.find("\n6\n") + 1);
+}
+
+/// Every other frame of a reaction's path, and its first half: both begin in one shape.
+Molecule reacting() {
+  std::istringstream in(text("paths", "sn2.xyz"));
+  std::string texts[2];
+  for (int line = 0, size = 8; line < 21 * size; ++line) {
+    std::string words;
+    std::getline(in, words);
+    const int frame = line / size;
+    if (frame % 2 == 0) texts[0] += words + "\n";
+    if (frame < 11) texts[1] += words + "\n";
+  }
+  return read_molecule(first_frame(), {texts[0], texts[1]}, {}, true);
+}
 
 /// A molecule, what the hand holds of it, and what of it is fixed.
 struct Case {
@@ -15,7 +37,7 @@ struct Case {
   std::vector<int> hold, fixed;
 
   Molecule read() const {
-    Molecule molecule = source.read();
+    Molecule molecule = source.name == "paths" ? reacting() : source.read();
     molecule.fixed = fixed;
     return molecule;
   }
@@ -33,7 +55,9 @@ const std::vector<Case> kCases{{kOnePath, {}, {}},
                                {kEnkephalin, {}, {}},
                                {kButane, {3}, {}},
                                {kButane, {4}, {2, 3, 11}},
-                               {kDipeptide, {9, 10, 19}, {0, 1, 4, 5}}};
+                               {kDipeptide, {9, 10, 19}, {0, 1, 4, 5}},
+                               {{"paths", {"sn2", "half"}}, {2}, {}},
+                               {{"paths", {"sn2", "half"}}, {}, {0, 3, 4, 5}}};
 
 /// The probe near some atom, so that it touches one or more.
 std::array<double, 3> touching(Random& random, HybridEnergy& energy, const std::vector<double>& s) {
@@ -90,6 +114,9 @@ TEST_CASE("the hybrid energy is its definition, evaluated from the positions") {
       const auto x = touching(random, energy, s);
       const Positions p = positions(energy, s);
       double expected = energy.shape_energy(s.data());
+      if (molecule.bonds_change)  // on one path at a time
+        expected +=
+            1000 * std::pow(energy.morph().length(0) * s[0] * energy.morph().length(1) * s[1], 2);
       Eigen::Vector3d held = -Eigen::Vector3d(x.data());
       for (const int i : one.hold) held += p[i] / static_cast<double>(one.hold.size());
       if (!one.hold.empty()) expected += 60 * (std::sqrt(held.squaredNorm() + 0.49) - 0.7);
@@ -198,4 +225,19 @@ TEST_CASE("the gradient is that of central differences, and the Hessian the grad
     CHECK(worst < 2e-11 / kStep);
     CHECK(worst_second < 1e-3);
   }
+}
+
+TEST_CASE("where bonds break and form the shapes and energies are those of the frames") {
+  const Molecule molecule = reacting();
+  HybridEnergy energy(molecule, {});
+  CHECK(molecule.bonds.size() == 5);  // of all frames
+  for (std::size_t k = 0; k < 2; ++k)
+    for (std::size_t m = 0; m < 11; ++m) {
+      std::vector<double> s(energy.variables());
+      s[k] = static_cast<double>(m) / 10;
+      CHECK(superposed_rmsd(positions(energy, s), molecule.paths[k].nodes[m]) < 1e-7);
+      CHECK(energy.shape_energy(s.data()) == Approx(molecule.paths[k].energies[m]).margin(1e-12));
+    }
+  CHECK_THROWS_WITH(read_molecule(first_frame(), {}, {}),
+                    StartsWith("conformation: not one molecule"));
 }

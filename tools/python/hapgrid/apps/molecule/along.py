@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from .steps import Start
 
 DENT = 1.0  # kJ/mol: a barrier is higher, and a minimum deeper. The model has the same limit.
-MOST_RANGE = 2000.0  # kJ/mol between frames: else the unit is another one
+MOST_RANGE = 1000.0  # kJ/mol between frames: else the unit is another one
 ONE_END = 0.05  # angstrom between ends of paths that are one
 ONE_ENERGY = 1.0  # kJ/mol, there
 UNEVEN, MOST_NODES = 2.5, 61  # steps of a path, the longest by the shortest; nodes of it
