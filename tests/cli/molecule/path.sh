@@ -11,7 +11,7 @@ over() {
     { t = $at["s0"]; if (t < least) least = t; if (t > most) most = t; snaps += $at["snap"]; e = $at["own_energy"]; if (e > top) top = e }
     END { print least, most, t, top; exit !(least < low + 0.02 && most > high - 0.02 && t * t < 1e-4 && snaps == 0) }' log ||
     fail "$1: not over and back"
-  grep -q 'BROKEN\|broken' "$1/verify.txt" && fail "$(cat "$1/verify.txt")"
+  grep -q "BROKEN\|broken" "$1/verify.txt" && fail "$(cat "$1/verify.txt")"
   return 0
 }
 
@@ -20,7 +20,7 @@ for one in sn2:26.81 malonaldehyde:15.69 ammonia:25.55; do
   hapgrid molecule "$paths/$name.xyz" --path -o "$name" --quiet >line 2>said || fail "$(cat said)"
   within "the barrier of $name" "$(over "$name" 0 1 | cut -d ' ' -f 4)" "$(bc <<<"${one#*:} - 0.05")" "$(bc <<<"${one#*:} + 0.05")"
 done
-grep -q '"energies":\[' sn2/index.html || fail "the page has no profile"
+grep -q '"energies": \[' sn2/index.html || fail "the page has no profile"
 # An end that two paths share makes them one; a ring closes.
 take() { awk -v from="$2" -v to="$3" 'NF == 1 { n++ } n >= from && n <= to' "$paths/$1.xyz"; }
 take sn2 1 8 >one.xyz && take sn2 8 21 >two.xyz
@@ -77,11 +77,11 @@ bad() {
 }
 bad hole 'hole\.xyz: frames 4 and 5 are 0\.[0-9]* angstrom apart, most others 0\.[0-9]*: frames are missing between them'
 bad other 'other\.xyz: frame 5 has BrCClH2, the first one has BrCClH3: they are no path of one molecule'
-bad ev 'ev\.xyz: the energies of its frames differ by 1\.04e+03 kJ/mol, .*: say the right one by --unit' --unit hartree
+bad ev 'ev\.xyz: the energies of its frames differ by 1\.04e\+03 kJ/mol, .*: say the right one by --unit' --unit hartree
 head -n 8 "$paths/sn2.xyz" >few.xyz
 refuses 'molecule: few\.xyz: 1 frames: a path needs 4 to 400' -- hapgrid molecule few.xyz --path -o bad
 expect 2 '' 'molecule: --path: what moves is given by FILE (see --help)' -- hapgrid molecule few.xyz --path --push -o bad
 # Without energies xtb computes them: they are those of the titles.
 /usr/bin/python3 -c "$shuffle" "$paths/ammonia.xyz" bare >bare.xyz
 hapgrid molecule bare.xyz --path -o bare --until definition --quiet >line 2>&1 || fail "$(cat line)"
-within "ammonia's barrier" "$(profile bare bare | tail -n 1)" 25.54 25.56
+within "ammonia's barrier" "$(profile bare bare | tail -n 1)" 25.52 25.58  # xtb may begin at another wave function

@@ -68,7 +68,7 @@ def read(paths: Sequence[str], charge: int | None, unpaired: int | None, unit: s
     if len(known) > 1:
         raise BadInput(f"{paths[0]}: some frames have an energy, and others have none: remove theirs, and xtb computes all")
     energies = [one.energy for shapes, _ in given for one in shapes if one.energy is not None]
-    if energies and not 0.01 < max(energies) - min(energies) < MOST_RANGE:
+    if len(energies) >= mending.LEAST and not 0.01 < max(energies) - min(energies) < MOST_RANGE:
         raise BadInput(f"{paths[0]}: the energies of its frames differ by {max(energies) - min(energies):.3g} kJ/mol, in the units "
                        "of its titles: say the right one by --unit")
     return {"paths": [(_name(path), mending.mended(shapes, path, said.append)) for path, (shapes, _) in zip(paths, given)],

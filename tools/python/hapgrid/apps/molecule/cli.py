@@ -77,6 +77,9 @@ def parser() -> Parser:
                    f"{GFN2_ATOMS} atoms")
     p.add_argument("--solvent", type=str.lower, choices=SOLVENTS, metavar="NAME",
                    help=f"solvent around the molecule by xtb's GBSA: {', '.join(SOLVENTS)} (default: none)")
+    p.add_argument("--calculator", metavar="CALCULATOR",
+                   help="calculator of ASE that gives all shapes and energies instead of xtb: MODULE:CALLABLE(ARGUMENTS), such as "
+                   "'mace.calculators:mace_mp(model=\"small\")', or a file in Python with a function calculator(charge, uhf)")
     p.add_argument("--single-points", metavar="COMMAND",
                    help="program that gives the energies along the paths instead of xtb: it gets the name of an XYZ file, "
                    "and its last line is the energy in hartree; single-point-ase asks ASE")
@@ -120,6 +123,10 @@ def _options(arguments: Sequence[str]) -> Namespace:
         raise UsageError("several files, and --unit, go with --path alone (see --help)")
     if o.path and (o.smiles is not None or o.push or o.basins or o.search or o.torsions or o.single_points):
         raise UsageError("--path: what moves is given by FILE (see --help)")
+    if o.calculator is not None and (o.method != "auto" or o.solvent is not None):
+        raise UsageError("--calculator: --method and --solvent are of xtb (see --help)")
+    if o.path and o.method == "gfnff":
+        raise UsageError("--path: the bonds of GFN-FF cannot change (see --help)")
     if o.push and (o.hold is not None or o.soft):
         raise UsageError("--push: the hand holds no atom (see --help)")
     o.beyond = o.basins or not o.push  # whether paths go on behind their barriers
@@ -127,7 +134,9 @@ def _options(arguments: Sequence[str]) -> Namespace:
 
 
 def _run(options: Namespace) -> str:
-    from . import optimise, steps, xtb  # want RDKit and more, and --help does not
+    from . import calculator, optimise, steps, xtb  # want RDKit and more, and --help does not
+    if options.calculator is not None:
+        options.calculator = calculator.source(options.calculator)
     try:
         return steps.run(options)
     except (xtb.XtbError, optimise.NoPath) as why:

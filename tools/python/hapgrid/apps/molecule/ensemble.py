@@ -81,7 +81,8 @@ def _across(search: Search, shapes: list[Array], hessians: list[Array]) -> list[
             off = along @ (y - x).ravel()
             return energy + HELD * off**2 / 2, gradient + (HELD * off * along).reshape(-1, 3)
         wall = HELD * np.outer(along, along)
-        y, _, bend = optimise.search(held, x, hessians[k] + wall, tolerance=5e-4, steps=STEPS, strict=False)
+        y, _, bend = optimise.search(held, x, hessians[k] + wall, tolerance=5e-4, steps=STEPS, strict=False,
+                                     noise=surface.noise)
         hessians[k] = bend - wall
         out.append(geometry.aligned(y, out[-1], surface.masses))
     return [*out, geometry.aligned(shapes[-1], out[-1], surface.masses)]

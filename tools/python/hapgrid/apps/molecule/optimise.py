@@ -20,9 +20,12 @@ from .xtb import WAVE_NUMBER
 
 
 if TYPE_CHECKING:
-    from .xtb import Surface
+    from .xtb import Potential
 
 FINE = 3e-6  # hartree/bohr: the largest component of the gradient at a minimum or a saddle
+
+
+LOUD = 4.0  # times the noise: what differs by less is the same
 
 
 class NoPath(Exception):
@@ -55,7 +58,7 @@ def wave_numbers(hessian: Array, x: Array, masses: Array) -> Array:
     return np.sign(values) * np.sqrt(np.abs(values)) * WAVE_NUMBER
 
 
-def point(surface: Surface, x: Array) -> Point:
+def point(surface: Potential, x: Array) -> Point:
     hessian = surface.hessian(x)
     return Point(x, surface.energy(x), hessian, float(wave_numbers(hessian, x, surface.masses)[0]))
 
@@ -95,16 +98,20 @@ def step_within(values: Array, f: Array, climbed: int | None, trust: float) -> A
 
 def search(function: Callable[[Array], tuple[float, Array]], x: Array, hessian: Array, *, climb: Array | None = None,
            tolerance: float = 1e-5, steps: int = 300, longest: float = 0.3, renew: Callable[[Array], Array] | None = None,
-           every: int = 0, strict: bool = True, passed: list[Array] | None = None) -> tuple[Array, float, Array]:
+           every: int = 0, strict: bool = True, passed: list[Array] | None = None,
+           noise: tuple[float, float] = (0.0, 0.0)) -> tuple[Array, float, Array]:
     """A stationary point near x: a minimum, or with `climb` a saddle.
 
     function(x): (energy, gradient). hessian: the first one. climb: a vector (3 atoms); the mode
     nearest to it is climbed, and then always the mode nearest to the one before. tolerance: largest
     component of the gradient (hartree/bohr). longest: step, bohr. renew(x): an exact Hessian, taken every `every`
-    steps. strict: whether steps that do not suffice are an error. passed: a list that gets the shapes on the way.
+    steps. strict: whether steps that do not suffice are an error. passed: a list that gets the shapes on the way. noise: of
+    the energy and of a component of the gradient: within it no step is uphill, and no gradient is too large.
     Returns (x, energy, hessian as updated).
     """
     energy, gradient = function(x)
+    rough = LOUD * noise[0]
+    tolerance = max(tolerance, LOUD * noise[1])
     mode, update, trust = climb, _bfgs if climb is None else _bofill, min(0.2, longest)
     for count in range(steps):
         g = gradient.ravel()
@@ -124,8 +131,8 @@ def search(function: Callable[[Array], tuple[float, Array]], x: Array, hessian: 
         new_energy, new_gradient = function(moved)
         gain = new_energy - energy
         hessian = update(hessian, vectors @ step, new_gradient.ravel() - g)
-        ratio = gain / expected if abs(expected) > 1e-9 else 1.0
-        if climb is None and gain > 1e-6 and ratio < 0:
+        ratio = gain / expected if abs(expected) > max(1e-9, rough) else 1.0
+        if climb is None and gain > max(1e-6, rough) and (ratio < 0 or rough > abs(expected)):
             trust = max(length / 4, 1e-4)  # uphill: not taken, but it has improved the Hessian
             continue
         if ratio < 0.25 or climb is not None and ratio > 3:
@@ -142,14 +149,14 @@ def search(function: Callable[[Array], tuple[float, Array]], x: Array, hessian: 
     return x, energy, hessian
 
 
-def minimum(surface: Surface, x: Array, hessian: Array | None = None, longest: float = 0.3,
+def minimum(surface: Potential, x: Array, hessian: Array | None = None, longest: float = 0.3,
             passed: list[Array] | None = None) -> Point:
     """The minimum downhill of x, with its exact Hessian. longest, passed: as search() has them; short steps stay in the valley
     where they start."""
     hessian = surface.hessian(x) if hessian is None else hessian
     for tolerance, leave in zip((1e-4, FINE, FINE, FINE, FINE), (0.1, 0.2, 0.3, 0.4, 0.5)):
         x, *_ = search(surface, x, hessian, tolerance=tolerance, steps=400, longest=longest, renew=surface.hessian,
-                       every=3 * surface.renewal, passed=passed)
+                       every=3 * surface.renewal, passed=passed, noise=surface.noise)
         one = point(surface, x)
         hessian = one.hessian
         if one.nu1 <= 0:
@@ -162,9 +169,9 @@ def minimum(surface: Surface, x: Array, hessian: Array | None = None, longest: f
     raise NotConverged("not converged: no minimum near a point of symmetry")
 
 
-def saddle(surface: Surface, x: Array, direction: Array) -> Point:
+def saddle(surface: Potential, x: Array, direction: Array) -> Point:
     """The saddle uphill along the mode nearest to `direction` (3 atoms), with its exact Hessian. Steps are short, since long
     ones on an updated Hessian leave the ridge where a soft torsion's scan snaps over."""
     x, *_ = search(surface, x, surface.hessian(x), climb=direction, tolerance=FINE, steps=200, longest=0.2,
-                   renew=surface.hessian, every=surface.renewal)
+                   renew=surface.hessian, every=surface.renewal, noise=surface.noise)
     return point(surface, x)

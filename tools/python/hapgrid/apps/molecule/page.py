@@ -7,16 +7,19 @@ import json
 import re
 import shlex
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from hapgrid.apps.common.arrays import Neighbours
 from hapgrid.apps.common.work import Work
 from rdkit import Chem
 
-from . import path_selection, files
+from . import files, geometry, path_selection
+from .definition import paths_of
 from .elements import COLOURS, SYMBOLS
 from .molecule import placed, signed
 from .probe_lines import read_log
+from .xtb import BOHR, HARTREE
 from .xyz import Frame, frames, frames_of
 
 if TYPE_CHECKING:
@@ -28,6 +31,11 @@ CURVES = (("energy.png", "own_energy", "energy of the molecule / (kJ/mol)"), ("f
 METHODS = {"gfn2": "GFN2-xTB", "gfnff": "GFN-FF"}
 FEEL = """<p><a href="feel.html">Move the molecule with the mouse or a finger</a>: this page needs neither hapgrid nor a
 network, and can be sent to others."""
+# What follows "exactly this method's" on what to trust.
+TURNED = """; where several torsions are turned together, the model
+adds the energies of their paths. Bonds and angles follow the paths and do not yield to the hand, and rings keep their shape."""
+GIVEN = """ at the frames, and between them a smooth
+curve's. The molecule stays on the path that was given, and does not yield to the hand beside it."""
 SPINS = ("singlet", "doublet", "triplet", "quartet", "quintet")
 
 
@@ -67,8 +75,10 @@ def pdb(rd: Chem.Mol, shapes: Sequence[Frame]) -> str:
 def page(start: Start, turned: Sequence[Torsion], ways: Sequence[str], felt: list[str]) -> str:
     folder = start.folder
     name = folder.name()
+    taken = paths_of(folder.path(f"{name}.toml"))
     one = frames(folder.path("conformation.xyz"))[0]
     words = one.words
+    words.update({"method": f"the titles of {start.source}"} if words.get("method") == "given" else {})
     method = re.sub("gfn2|gfnff", lambda found: METHODS[str(found[0])], words.get("method", "own energies"))
     box = json.loads(folder.run("stats", f"{name}.grid", "--format", "json").out)["box"]
     spins = start.molecule.unpaired
@@ -79,18 +89,38 @@ def page(start: Start, turned: Sequence[Torsion], ways: Sequence[str], felt: lis
              "Grid": f"{' × '.join(map(str, box['counts']))} points, {box['spacing']:g} Å apart"}
     molecule = {"symbols": [SYMBOLS[z] for z in one.numbers], "colours": [COLOURS[z] for z in one.numbers],
                 "places": np.round(one.x, 3).tolist(),
-                "bonds": [[a, b] for a, near in enumerate(start.molecule.neighbours) for b in near if a < b],
+                "bonds": _pairs(start.molecule.neighbours),
                 "torsions": [[t.name, *t.atoms, t in turned] for t in start.turning]}
+    molecule["paths"] = _profiles(start, taken)
+    given = start.given is not None
     parts = {
+        "SHOWN": "The molecule on its path" if given else "The conformation, and the bonds that turn",
+        "TRUST": GIVEN if given else TURNED,
         "TITLE": html.escape(start.source), "HEAD": formula(start.molecule.formula),
         "SAID": html.escape(folder.read(ways[0]).split("\n", 1)[0].lstrip("# ")),
         "FACTS": "".join(f"<dt>{key}<dd>{value if key == 'Formula' else html.escape(value)}"
                          for key, value in facts.items() if value),
-        "FEEL": ("" if turned else f"<p>{html.escape(path_selection.nothing_turns(folder))}.") + (FEEL if felt else ""),
+        "FEEL": ("" if taken else f"<p>{html.escape(path_selection.nothing_turns(folder))}.") + (FEEL if felt else ""),
         "GRID": html.escape(shlex.quote(f"{name}.grid")), "WAY": html.escape(shlex.quote(f"path:{ways[0]}")),
         "TOML": html.escape(f"{name}.toml"), "TABLE": barriers(folder), "METHOD": html.escape(method),
         "MOLECULE": json.dumps(molecule).replace("<", "\\u003c"), "VERIFY": html.escape(folder.read("verify.txt"))}
     return re.sub("@([A-Z]+)@", lambda found: parts[str(found[1])], TEMPLATE)
+
+
+def _profiles(start: Start, taken: Sequence[str]) -> list[dict[str, Any]]:
+    """Of each path energies, shapes as the conformation lies, and bonds, frame by frame."""
+    shapes = files.read_set(start.folder)
+    usual, out = start.molecule.neighbours, []
+    for one in (f for f in shapes.found if f.name in taken):
+        places = [geometry.aligned(x, shapes.x, shapes.masses) * BOHR for x in one.nodes]
+        near = [geometry.bonds_of(shapes.numbers, x) if start.molecule.bonds_change else usual for x in places]
+        out.append({"name": one.name, "energies": [round(e * HARTREE, 3) for e in one.energies], "start": one.start,
+                    "places": [np.round(x, 2).tolist() for x in places], "bonds": [_pairs(some) for some in near]})
+    return out
+
+
+def _pairs(neighbours: Neighbours) -> list[list[int]]:
+    return [[a, b] for a, near in enumerate(neighbours) for b in near if a < b]
 
 
 def barriers(folder: Work) -> str:

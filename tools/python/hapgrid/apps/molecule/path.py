@@ -22,7 +22,7 @@ from .xtb import HARTREE
 if TYPE_CHECKING:
     from .geometry import Tree
     from .torsions import Torsion
-    from .xtb import Surface
+    from .xtb import Potential
 
 Leg: TypeAlias = tuple[list[Array], list[float]]  # shapes and their energies
 FIRST_LEG = 10  # segments from the conformation to its first saddle; their length holds for all
@@ -55,7 +55,7 @@ def spline(tree: Tree, shapes: Shapes) -> Any:
     return CubicSpline(np.linspace(0, 1, len(q)), q, bc_type="natural")
 
 
-def nodes(surface: Surface, shapes: Shapes, start: Point, count: int = 11, apart: float | None = None,
+def nodes(surface: Potential, shapes: Shapes, start: Point, count: int = 11, apart: float | None = None,
           turns: Sequence[tuple[Torsion, float]] = ()) -> Leg:
     """(shapes, energies) at equal distances along a chain of shapes up to a saddle; apart: as resampled() has it. The chain
     begins in a shape like the minimum `start`, but for turns, [(Torsion, angle)], which the path has less and less. Errors:
@@ -68,11 +68,12 @@ def nodes(surface: Surface, shapes: Shapes, start: Point, count: int = 11, apart
     shapes = [geometry.as_in_file(x) for x in [start.x, *(geometry.aligned(x, start.x, masses) for x in shapes[1:])]]
     energies = [start.energy] + [surface.energy(x) for x in shapes[1:]]
     middles = (np.arange(len(shapes) - 1) + 0.5) / (len(shapes) - 1)
-    check(energies, [surface.energy(surface.tree.build(q)) for q in spline(surface.tree, shapes)(middles)], start.energy)
+    check(energies, [surface.energy(surface.tree.build(q)) for q in spline(surface.tree, shapes)(middles)], start.energy,
+          optimise.LOUD * surface.noise[0] * HARTREE)
     return shapes, energies
 
 
-def over(surface: Surface, ends: Ends, start: Point, apart: float | None) -> tuple[Leg, Leg, Point, float]:
+def over(surface: Potential, ends: Ends, start: Point, apart: float | None) -> tuple[Leg, Leg, Point, float]:
     """(nodes() from the minimum `start` up to the saddle of Ends, the same from it down to the minimum on its far side, that
     minimum as in a file, the distance of nodes). apart: that of the first leg, None for the first leg itself."""
     up = nodes(surface, ends.up, start, FIRST_LEG + 1, apart)
@@ -84,12 +85,12 @@ def over(surface: Surface, ends: Ends, start: Point, apart: float | None) -> tup
     return up, (shapes[::-1], energies[::-1]), far, apart
 
 
-def check(energies: Sequence[float], halfway: Sequence[float], energy0: float) -> None:
+def check(energies: Sequence[float], halfway: Sequence[float], energy0: float, noise: float = 0.0) -> None:
     """Raises optimise.NoPath unless the energy climbs from the minimum to the saddle, at the nodes and,
     nearly so, half way between them. Slack: 0.05 kJ/mol and 0.5 % of the barrier (a methyl group
     that almost turns freely is at rest elsewhere along the way), half way another 5 %."""
     at, mid = ([(e - energy0) * HARTREE for e in some] for some in (energies, halfway))
-    slack = 0.05 + 0.005 * at[-1]
+    slack = 0.05 + 0.005 * at[-1] + noise
     for k, (a, b) in enumerate(zip(at, at[1:])):
         if b < a - slack:
             raise optimise.NoPath(f"the energy falls by {a - b:.2f} kJ/mol before node {k + 1}")

@@ -105,7 +105,7 @@ def _held(start: Start, grid: str, structures: Result, hold: Hold, taken: Sequen
         saddles = _saddles(path, energies)
         t = read_log(folder.run("play", grid, "--device", f"path:{file}", "--log", "-").out)[f"s{taken.index(name)}"]
         over = sum(_crossed(t, at) for at in saddles)
-        said = "over all its barriers" if over > 1 else "over its barrier"
+        said = "over all its barriers" if over > 1 else "over its barrier" if saddles else "to its end"
         if over < len(saddles):
             said = OVER.format(over, len(saddles))
         write_way(folder, file, ticks, f"The hand holds {what} and leads it along its own way, and back: {name} goes {said}.")

@@ -138,7 +138,7 @@ class Search:
         """(energy, x) of a shape in angstrom, on its own surface. Errors: optimise.NoPath"""
         surface, x = self.start.surface(start / BOHR), start / BOHR
         x, energy, _ = optimise.search(surface, x, surface.hessian(x), tolerance=1e-4, steps=400, renew=surface.hessian,
-                                       every=50)
+                                       every=50, noise=surface.noise)
         if not self.intact(x):
             raise optimise.NoPath("its bonds change")
         if why := self.start.isomer.differs(x):

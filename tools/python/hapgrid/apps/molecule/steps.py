@@ -18,19 +18,20 @@ from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import Failed, digest_of, read_bytes
 from hapgrid.apps.common.work import Work, about
 
-from . import (along, files, geometry, grids, holding, molecule, optimise, page, path_selection, probe_lines, reading, rotors,
+from . import (along, calculator, files, geometry, grids, holding, molecule, optimise, page, path_selection, probe_lines, reading, rotors,
                single_points, stereo, structures)
 from .cli import GFN2_ATOMS
 from .molecule import signed
 from .results import Result
 from .torsions import Torsion
-from .xtb import BOHR, Surface, XtbError, load
+from .xtb import BOHR, HARTREE, Potential, Surface, XtbError, load
 
 ENSEMBLE = 8  # frames of an ensemble between which paths are looked for
 # Gradients of xtb in units of a Hessian, which are measured: of butane, pentane, propan-2-ol and ethanol 9 to 16 for each way
 # of a bond, and 21 where it goes on behind its barriers; as many for the conformation. Of a flexible molecule some ways take
 # ten times as many, to hard saddles or lower minima: on the mean of methyl argininate, with 9 bonds beside methyl groups, twice.
 HESSIANS, HESSIANS_BEHIND = 15, 12
+LEAST_NOISE = 1e-5  # kJ/mol
 FLEXIBLE = 8  # bonds beside methyl groups with which a way takes twice as many
 # What an optimiser's step takes besides its gradient, in shares of a step for each gradient: most gradients are a Hessian's.
 ALGEBRA = 0.09
@@ -56,14 +57,22 @@ class Start:
     def words(self) -> str:
         return f"{self.method}-in-{self.options.solvent}" if self.options.solvent else self.method
 
-    def surface(self, x: Array) -> Surface:
-        """xtb's. x: the conformation, bohr."""
+    def surface(self, x: Array) -> Potential:
+        """xtb's, or that of --calculator. x: the conformation, bohr."""
+        if self.calculator is not None:
+            return calculator.CalculatorSurface(self.molecule.numbers, x, self.calculator, self.tree)
         return Surface(self.molecule.numbers, x, self.method, self.molecule.charge, self.tree, self.molecule.unpaired,
                        self.options.solvent)
 
     @cached_property
     def tree(self) -> geometry.Tree:
         return geometry.Tree(self.molecule.neighbours, self.molecule.numbers)
+
+    @cached_property
+    def calculator(self) -> Any:
+        """A process makes its own: what one of them holds cannot be shared."""
+        by = self.options.calculator
+        return None if by is None else by.make(self.molecule.charge, self.molecule.unpaired)
 
     @cached_property
     def points(self) -> single_points.SinglePoints | None:
@@ -77,7 +86,7 @@ class Start:
 
 def run(options: Namespace) -> str:
     """Everything, or all until --until; the line for standard output."""
-    if not options.path:
+    if not options.path and options.calculator is None:
         load()  # before all else: where xtb is missing, that is one line
     start = read_path(options) if options.path else read(options)
     shapes = find_structures(start)
@@ -106,7 +115,9 @@ def read(o: Namespace) -> Start:
     text = digest_of(read_bytes(o.file, molecule.MOST_BYTES)) if o.file else o.smiles
     folder.step("molecule", "", [], [text, o.charge, o.uhf], compute)
     one, method = reading.started(folder.path("start.sdf")), o.method
-    if method == "auto":
+    if o.calculator is not None:
+        method = o.calculator.name
+    elif method == "auto":
         method = "gfn2" if len(one.numbers) <= GFN2_ATOMS else "gfnff"
     turning, rings = rotors.find(one), len(one.rings())
     if o.torsions is not None:  # with basins paths go both ways
@@ -137,8 +148,7 @@ def read_path(o: Namespace) -> Start:
     counts = ", ".join(str(len(shapes)) for _, shapes in given["paths"])
     folder.say(f"  {one.formula}, {len(one.numbers)} atoms, charge {signed(one.charge)}, paths of {counts} frames")
     source = ", ".join(os.path.basename(f) for f in (o.file, *o.more))
-    return Start(o, folder, one, source, False, "gfn2" if o.method == "auto" else o.method, [],
-                 stereo.Isomer([]), "", given)
+    return Start(o, folder, one, source, False, o.calculator.name if o.calculator else "gfn2", [], stereo.Isomer([]), "", given)
 
 
 def find_structures(start: Start) -> Result:
@@ -152,7 +162,9 @@ def find_structures(start: Start) -> Result:
     shapes = shapes[:ENSEMBLE]
 
     def compute() -> list[str]:
-        if o.method == "auto":
+        if o.calculator is not None:
+            folder.say(f"  energies by {o.calculator.said}" + noise_of(start))
+        elif o.method == "auto":
             folder.say("  energies by " + ("GFN2-xTB" if start.method == "gfn2" else
                                            f"GFN-FF, as for all above {GFN2_ATOMS} atoms (--method gfn2 is better, and slower)"))
         estimate(start)
@@ -167,6 +179,17 @@ def find_structures(start: Start) -> Result:
                  start.search, o.highest, o.basins, o.push, o.hold, o.keep_conformation,
                  [name for t in start.turning for name in t.file_names()], [x.tolist() for _, x in shapes]], compute)
     return files.read_set(folder)
+
+
+def noise_of(start: Start) -> str:
+    """Of a calculator, in words, where it is more than the rounding of 64 bits."""
+    try:
+        energy, gradient = start.surface(start.molecule.positions / BOHR).noise
+    except XtbError as why:
+        raise Failed(f"--calculator: {why}") from None
+    if energy * HARTREE < LEAST_NOISE:
+        return ""
+    return f"; its noise is {energy * HARTREE:.2g} kJ/mol, and {gradient * HARTREE / BOHR:.2g} kJ/(mol Å) of a force"
 
 
 def estimate(start: Start) -> None:

@@ -14,7 +14,7 @@ from hapgrid.apps.common.arrays import Array, Neighbours, Shapes
 
 from . import geometry, optimise
 from .results import Point
-from .xtb import HARTREE, Surface
+from .xtb import HARTREE, Potential
 
 LEAST_BARRIER = 0.1  # kJ/mol; a lower one is not told from noise, and no hand feels it
 LEAST_TURN = np.radians(10)  # of a torsion, or the path turns none
@@ -53,7 +53,7 @@ def make(numbers: Sequence[int], neighbours: Neighbours, i: int | None, j: int, 
     return Torsion("", (i, j, k, l), tuple(moved), (1,) if rotor else (1, -1), rotor)
 
 
-def scan(surface: Surface, minimum: Point, torsion: Torsion, sign: int, *, step: float = np.radians(10),
+def scan(surface: Potential, minimum: Point, torsion: Torsion, sign: int, *, step: float = np.radians(10),
          highest: float = 150 / HARTREE) -> tuple[Array, Array]:
     """The first barrier as a guess of a saddle: (shape, tangent).
 
@@ -78,7 +78,8 @@ def scan(surface: Surface, minimum: Point, torsion: Torsion, sign: int, *, step:
             return (energy + STIFFNESS * off * off / 2,
                     gradient + STIFFNESS * off * geometry.torsion_gradient(y, *torsion.atoms))
         try:
-            y, _, hessian = optimise.search(restrained, turned, hessian + bend(turned), tolerance=3e-4, steps=200)
+            y, _, hessian = optimise.search(restrained, turned, hessian + bend(turned), tolerance=3e-4, steps=200,
+                                            noise=surface.noise)
         except optimise.NotConverged:
             turn = np.degrees(sign * step * count)
             raise optimise.NoPath(f"the scan did not relax at {turn:+.0f} degrees") from None
@@ -104,7 +105,7 @@ def turned(torsions: Sequence[Torsion], shapes: Shapes) -> tuple[Array, Array]:
     return angles[-1] - angles[0], np.ptp(angles, axis=0)
 
 
-def _on_top(surface: Surface, before: Array, top: Array, after: Array) -> tuple[Array, Array]:
+def _on_top(surface: Potential, before: Array, top: Array, after: Array) -> tuple[Array, Array]:
     """(shape, tangent) from three shapes about the top of a scan.
 
     When the rest of the molecule snaps over while the torsion turns, each shape lies in one valley

@@ -6,6 +6,7 @@ coordinates. Positions are arrays (atoms, 3). Files and messages are in angstrom
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -18,13 +19,50 @@ from .elements import MASSES
 if TYPE_CHECKING:
     from .geometry import Tree
 
-__all__ = ["BOHR", "HARTREE", "Surface", "WAVE_NUMBER", "XtbError", "load"]
+__all__ = ["BOHR", "HARTREE", "Potential", "Surface", "WAVE_NUMBER", "XtbError", "load"]
 
 # sqrt(hartree / (bohr^2 amu)) as a wave number, cm^-1
 WAVE_NUMBER = 5140.487144
 
 
-class Surface:
+class Potential(ABC):
+    """What all searches ask: energies, gradients and Hessians of one molecule's shapes.
+
+    tree: internal coordinates, see geometry.Tree; renewal: steps of a search between exact Hessians; noise: of an energy,
+    hartree, and of a component of the gradient, hartree/bohr.
+    """
+    tree: Any
+    masses: Array
+    renewal: int
+    noise: tuple[float, float] = (0.0, 0.0)
+
+    @abstractmethod
+    def __call__(self, positions: Array) -> tuple[float, Array]:
+        """(energy, gradient (atoms, 3)) in hartree and bohr."""
+
+    @property
+    def step(self) -> float:
+        """Of differences, bohr."""
+        return 0.005
+
+    def energy(self, positions: Array) -> float:
+        return self(positions)[0]
+
+    def hessian(self, positions: Array) -> Array:
+        rows = self.differences(positions)
+        return (rows + rows.T) / 2
+
+    def differences(self, positions: Array) -> Array:
+        """The rows of the Hessian by central differences of the gradient. They are symmetric to 1e-4 hartree/bohr²:
+        a gradient with which they are not is wrong."""
+        flat = np.asarray(positions, float).ravel()
+        step = self.step
+        shifts = step * np.eye(flat.size)
+        return np.array([(self((flat + s).reshape(-1, 3))[1] - self((flat - s).reshape(-1, 3))[1]).ravel() / (2 * step)
+                         for s in shifts])
+
+
+class Surface(Potential):
     """The potential energy of one molecule.
 
     positions: where the force field GFN-FF reads off its bonds. All later points of a molecule are
@@ -43,24 +81,8 @@ class Surface:
         self._xtb = Xtb(numbers, np.asarray(positions, float).ravel(), method, charge, unpaired, solvent)
 
     def __call__(self, positions: Array) -> tuple[float, Array]:
-        """(energy, gradient (atoms, 3)) in hartree and bohr."""
         positions = np.asarray(positions, float)
         if not np.isfinite(positions).all():
             raise XtbError("xtb: a position is not finite")
         energy, gradient = self._xtb(positions.ravel())  # from a fresh guess: the same bits in each process
         return energy, np.array(gradient).reshape(-1, 3)
-
-    def energy(self, positions: Array) -> float:
-        return self(positions)[0]
-
-    def hessian(self, positions: Array) -> Array:
-        rows = self.differences(positions)
-        return (rows + rows.T) / 2
-
-    def differences(self, positions: Array, step: float = 0.005) -> Array:
-        """The rows of the Hessian by central differences of the gradient. They are symmetric to 1e-4 hartree/bohr²:
-        a gradient with which they are not is wrong."""
-        flat = np.asarray(positions, float).ravel()
-        shifts = step * np.eye(flat.size)
-        return np.array([(self((flat + s).reshape(-1, 3))[1] - self((flat - s).reshape(-1, 3))[1]).ravel() / (2 * step)
-                         for s in shifts])
