@@ -138,7 +138,7 @@ def molecule(given: dict[str, Any]) -> Molecule:
     bonds = [(j, k, 1) for j, some in enumerate(near) for k in some if j < k]
     one = Molecule("the path", first.numbers, first.x, [0] * len(first.numbers), bonds, given["charge"], given["unpaired"],
                    bonds_change=True)
-    one.formula = mending.formula(first.numbers) + (signed(given["charge"]) if given["charge"] else "")
+    one.formula = mending.formula(first.numbers)
     return one
 
 
