@@ -259,8 +259,7 @@ int try_it(const PlayOptions& options) {
   return try_device(device, options.rate_hz, options.duration_s);
 }
 
-int play(PlayOptions options) {
-  apply_file(options);
+int play(const PlayOptions& options) {
   if (!options.grid.empty() && viewer_waits(options))
     say("play", "no frames go into the pipe; --frames - sends them to a viewer there");
   require_possible(options);
@@ -362,7 +361,8 @@ int play(PlayOptions options) {
       beside.get(), [&] { return conclude(options, summary, facts, safety, device, viewers); });
 }
 
-int run(const PlayOptions& options) {
+int run(PlayOptions options) {
+  apply_file(options);
   if (options.selftest) return run_selftest(options);
   if (options.list_devices) {
     std::cout << devices_table();
@@ -401,7 +401,7 @@ int main(int argc, char** argv) {
       "last four up: it finds axes, signs, encoder and delay, and pushes with 0.1 N at\n"
       "most if you say yes. It writes a file for --config to standard output.\n"
       "\n"
-      "Settings for --set and for the table [play] of --config:\n" +
+      "Settings, keys of the table [play] of --config:\n" +
           settings_help() +
           "\n"
           "Keyboard: the arrows move the HIP along x and z, page up and down along y.\n"

@@ -14,7 +14,8 @@ models=${5:-hung-ball alanine-dipeptide butane leu-enkephalin}
 source "$(dirname "$0")/lib.sh"
 molecules=$HAPGRID_SOURCE/examples/molecule
 printf '[random]\nsessions = %d\n' "$sessions" >sim.toml
-open=(--max-force 100 --set safety.reserve=inf --set safety.ramp=0)
+settings open.toml 'safety.reserve = inf' 'safety.ramp = 0'
+open=(--max-force 100 --config open.toml)
 
 returned() { # GRID OPTIONS...
   play "$1" --device sim:sim.toml --beside off "${@:2}" --report report 2>/dev/null

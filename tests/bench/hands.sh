@@ -43,5 +43,5 @@ row '100 N/m' 1 100 ''
 row '1,000 N/m' 1 1000 ''
 row 'gain 3' 3 300 ''
 row 'forces a tick late, which play is not told' 1 300 'delay = 1'
-row 'steps of 0.2 mm' 1 300 'encoder = 2e-4' --set safety.encoder=2e-4
-row '1,000 N/m, gain 3, a tick late, steps of 0.2 mm' 3 1000 $'encoder = 2e-4\ndelay = 1' --set safety.encoder=2e-4
+row 'steps of 0.2 mm' 1 300 'encoder = 2e-4' 'safety.encoder = 2e-4'
+row '1,000 N/m, gain 3, a tick late, steps of 0.2 mm' 3 1000 $'encoder = 2e-4\ndelay = 1' 'safety.encoder = 2e-4'

@@ -45,6 +45,7 @@ cyclic() { # INTERVAL_US
   cyclictest -q -m -t 1 -p 40 -i "$1" -D "$seconds" -h 20000 2>/dev/null |
     awk '/^[0-9]/ { n += $2; v[$1 + 0] = $2 } END { for (i = 0; i < 20000; ++i) { s += v[i]; if (s >= 0.99 * n) { print i; exit } } }'
 }
+settings spin.toml 'loop.spin = 60'
 for rate in 1000 5000; do
   paths hung-ball.grid "$rate"
   rm -f loop spun kernel
@@ -52,9 +53,9 @@ for rate in 1000 5000; do
     cyclic $((1000000 / rate)) >>kernel
     play hung-ball.grid --device path:path --rate "$rate" --report r.json 2>/dev/null
     key r.json lateness p99_us >>loop
-    play hung-ball.grid --device path:path --rate "$rate" --set loop.spin=60 --report r.json 2>/dev/null
+    play hung-ball.grid --device path:path --rate "$rate" --config spin.toml --report r.json 2>/dev/null
     key r.json lateness p99_us >>spun
   done
-  printf 'lateness at %s Hz, p99 in us: cyclictest %s, play %s, play --set loop.spin=60 %s\n' "$rate" \
+  printf 'lateness at %s Hz, p99 in us: cyclictest %s, play %s, play with loop.spin = 60 %s\n' "$rate" \
     "$(median <kernel)" "$(median <loop)" "$(median <spun)"
 done

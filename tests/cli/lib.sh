@@ -170,6 +170,9 @@ TOML
   seed stuck.toml --model-path "$plugins" | expand --complete --model-path "$plugins" -o "stuck.$1"
 }
 
+# settings FILE LINE...: a file of play's --config with these lines in its table [play].
+settings() { printf '%s\n' '[play]' "${@:2}" >"$1"; }
+
 # sanitized: whether the filters have sanitizers or a wrapper, which cost memory and time.
 sanitized() { [[ -n ${HAPGRID_WRAPPER-} ]] || grep -q '^HAPGRID_SANITIZE:[A-Z]*=.' "$HAPGRID_BUILD/CMakeCache.txt"; }
 

@@ -5,9 +5,10 @@
 source "$(dirname "$0")/lib.sh"
 
 seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete -o ball.grid
+settings play.toml 'mapping.offset = [0.2, 0, 0]' 'mapping.speed = 0.8' 'safety.ramp = 100'
 cat >session <<'END'
 # The hand begins at x = 0.175, to the right of the ball.
-common="play /ball.grid --model-path /bin --set mapping.offset=[0.2,0,0] --set mapping.speed=0.8 --set safety.ramp=100"
+common="play /ball.grid --model-path /bin --config /play.toml"
 uinput-device gamepad >/tmp/gamepad & gamepad=$!
 uinput-device stick --slow 110 >/tmp/stick &
 await /dev/input/event1 /dev/input/event2
@@ -43,6 +44,6 @@ usleep 300000; kill $gamepad; wait $player; echo "exit $?"
 echo "== end"
 END
 KERNEL=amd64 TIMEOUT=${TIMEOUT:-900} machine "$qemu/uinput-device" "$HAPGRID_BIN/play" "$HAPGRID_BIN/hapgrid-guard" "$HAPGRID_BIN/hapgrid-evdev" "$HAPGRID_BIN/hapgrid-hid" "$HAPGRID_BIN/hapgrid-spacemouse" "$(command -v setpriv)" \
-  "$HAPGRID_BUILD/models/hung-ball.so" ball.grid session -- 'sh session'
+  "$HAPGRID_BUILD/models/hung-ball.so" ball.grid play.toml session -- 'sh session'
 printf '%s\n' "$output" >got
 python3 "$here/evdev_test.py" got

@@ -4,6 +4,7 @@
 source "$(dirname "$0")/lib.sh"
 
 seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete -o ball.grid
+settings play.toml 'safety.ramp = 100'
 # The hand: there and back along x, 200 mm a second, as a line a report at 5 kHz and at 1 kHz; then it rests. The
 # reach of 0.2 m fills the box of 1.9 along x: 9.5 units a metre.
 { seq -f '%.0f 0 0' -80000 40 19960; seq -f '%.0f 0 0' 20000 -40 -79960; } >positions.txt
@@ -18,7 +19,7 @@ hid_profile '-0.1, -0.1, -0.1' '0.1, 0.1, 0.1' >profile.toml
 # but the first only how many there are and the last ones. How a play ends has nothing to do with its rate: 1 kHz there.
 cat >session <<'END'
 # Numbers are computed ten times slower here, which leaves no time for the model.
-play="play /ball.grid --model-path /bin --device hid:/profile.toml --set safety.ramp=100 --beside off"  # to a file: on a pipe it would write frames
+play="play /ball.grid --model-path /bin --device hid:/profile.toml --config /play.toml --beside off"  # to a file: on a pipe it would write frames
 device() { rawhid-device "$@" >/tmp/record & device=$!; await /dev/hidraw0; }
 slow() { device --rate 1000 "$@" /thousand.txt; }
 over() { kill $device 2>/dev/null; wait $device; while [ -e /dev/hidraw0 ]; do usleep 10000; done; }
@@ -74,7 +75,7 @@ slow; play --list-devices; over
 echo "== end"
 END
 TIMEOUT=${TIMEOUT:-900} machine "$qemu/rawhid-device" "$HAPGRID_BIN/play" "$HAPGRID_BIN/hapgrid-guard" "$HAPGRID_BIN/hapgrid-hid" "$HAPGRID_BIN/hapgrid-spacemouse" "$HAPGRID_BIN/hapgrid-evdev" "$HAPGRID_BUILD/models/hung-ball.so" \
-  "$(command -v chrt)" ball.grid profile.toml ./*.txt session -- 'sh session'
+  "$(command -v chrt)" ball.grid profile.toml play.toml ./*.txt session -- 'sh session'
 printf '%s\n' "$output" >got
 python3 "$here/play_test.py" got positions.txt
 # What was recorded there gives the same forces here, bit for bit.

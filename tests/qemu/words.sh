@@ -8,6 +8,7 @@ words() {
   local device=$1
   shift
   hid_profile '-0.08, 0, 0' '0.08, 0, 0' >profile.toml
+  settings play.toml 'safety.ramp = 20'
   echo '-40000 0 0' >place.txt
   cat >session <<'END'
 hid() { rawhid-device --rate 250 /place.txt >/tmp/record & device=$!; await /dev/hidraw0; there=/dev/hidraw0; name=hid:/profile.toml; }
@@ -18,7 +19,7 @@ child() { cut -d' ' -f1 /proc/$1/task/$1/children; }
 cell() {
   echo "== $2 $3"
   $1
-  play /stuck.0 --model-path /bin --traversal paper --rate 250 --set safety.ramp=20 --max-force 0.5 --device $name >/tmp/out 2>&1 & player=$!
+  play /stuck.0 --model-path /bin --traversal paper --rate 250 --config /play.toml --max-force 0.5 --device $name >/tmp/out 2>&1 & player=$!
   usleep 600000
   guard=$(child $player); adapter=$(child $guard)
   victims=

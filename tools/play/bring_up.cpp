@@ -195,9 +195,9 @@ class BringUp {
     if (!missing.empty()) return format("no force was felt along {}: is it switched on?", missing);
     if (wrong.empty()) return "";
     return format(
-        "it pushes the wrong way along {}: play with --max-force {} --set "
-        "mapping.push=[{:g},{:g},{:g}], or correct the adapter",
-        wrong, rounded(most_force()), push_[0], push_[1], push_[2]);
+        "it pushes the wrong way along {}: correct the adapter, or put mapping.push = "
+        "[{:g},{:g},{:g}] in place of max-force",
+        wrong, push_[0], push_[1], push_[2]);
   }
 
   double most_force() const { return std::min(SafetyLimits().max_force, info_.max_force); }

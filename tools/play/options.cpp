@@ -67,7 +67,7 @@ void add_time_options(CommandLine& app, PlayOptions& options) {
          "--selftest", options.selftest,
          "Measure how late a loop is on this machine at 1, 2 and 5 kHz, or at --rate, without a "
          "device or grid.")
-      .goes_with({"--rate", "--duration", "--realtime", "--set"});
+      .goes_with({"--rate", "--duration", "--realtime", "--config"});
 }
 
 void add_output_options(CommandLine& app, PlayOptions& options) {
@@ -112,7 +112,7 @@ void add_play_options(CommandLine& app, PlayOptions& options) {
   // Without a grid a device is brought up, or only looked at.
   for (const char* const of_play :
        {"--traversal", "--beside", "--model-path", "--allow-process", "--log", "--frames",
-        "--report", "--sessions", "--axes", "--config", "--gain", "--max-force", "--scale"})
+        "--report", "--sessions", "--axes", "--gain", "--max-force", "--scale"})
     app.option(of_play).needs(app.option("grid"));
 }
 

@@ -98,7 +98,7 @@ void print_summary(const LoopSummary& s, const RunFacts& facts) {
   if (const double ticks = answer_delay_ticks(facts); ticks > facts.declared_delay)
     text += format(
         "play: of 10 answers of the adapter, one came {:.3g} ms after its force or later: the "
-        "force acts late, give --set safety.delay={:g}\n",
+        "force acts late, set safety.delay = {:g} in the file of --config\n",
         1e-6 * static_cast<double>(facts.answers->quantile(kLateShare)), ticks);
   if (facts.rate_hz > 0)
     text += format(

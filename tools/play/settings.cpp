@@ -81,15 +81,14 @@ std::string bounds(const Setting& s) {
   return format(" from {} to {}{}{}", to_text(s.low), to_text(s.high), *s.unit ? " " : "", s.unit);
 }
 
-/// @param in_file keys of options have no "--" there
-std::string unknown_key(const std::string& key, bool in_file) {
+std::string unknown_key(const std::string& key) {
   // A key may be meant by its last part alone.
   std::vector<std::string> known, meant;
   for (const Setting& setting : kSettings) {
     const std::string name = setting.name;
     const std::string last = name.substr(is_option(setting) ? 2 : name.find('.') + 1);
     known.insert(known.end(), {name, last});
-    meant.insert(meant.end(), 2, in_file && is_option(setting) ? last : name);
+    meant.insert(meant.end(), 2, is_option(setting) ? last : name);
   }
   const auto near = nearest(key, known);
   return format(
@@ -117,34 +116,20 @@ const Setting* find_setting(const std::string& name) {
   return found == std::end(kSettings) ? nullptr : &*found;
 }
 
-/// Adds `key = node` to what is given. @return what is wrong with it, empty when nothing is
-std::string parse_setting(const std::string& key, const toml::node& node, GivenSettings& given) {
-  const Setting* const setting = find_setting(key);
-  if (!setting) return unknown_key(key, /*in_file=*/false);
+/// Adds `node` to what is given. @return what is wrong with it, empty when nothing is
+std::string parse_setting(const Setting& setting, const toml::node& node, GivenSettings& given) {
   PlaySettings defaults;
-  const std::size_t count = setting->values(defaults).size();
+  const std::size_t count = setting.values(defaults).size();
   const std::vector<double> values = read_numbers(node);
-  const auto good = [&](double v) { return v >= setting->low && v <= setting->high; };
+  const auto good = [&](double v) { return v >= setting.low && v <= setting.high; };
   if (values.size() != count || !std::all_of(values.begin(), values.end(), good))
-    return format("{} must be {}{}", key,
-                  count == 1 ? "a number" : format("{} numbers in [ ]", count), bounds(*setting));
-  given.emplace_back(setting, values);
+    return format("{} must be {}{}", setting.name,
+                  count == 1 ? "a number" : format("{} numbers in [ ]", count), bounds(setting));
+  given.emplace_back(&setting, values);
   return "";
 }
 
-void set(const std::string& text, GivenSettings& given) {
-  const std::size_t equals = text.find('=');
-  std::string mistake = format("'{}' is not like KEY=VALUE", text);
-  try {
-    const TomlFile value("value = " + text.substr(equals + 1), "");
-    if (equals != std::string::npos && value.root().size() == 1)
-      mistake = parse_setting(text.substr(0, equals), *value.root().get("value"), given);
-  } catch (const Error&) {  // VALUE is not one
-  }
-  if (!mistake.empty()) throw UsageError(format("--set: {}", mistake));
-}
-
-/// Reads the table [play] of a file that may be a stranger's.
+/// Reads the table [play] of a file. One with other tables, as a definition, may be a stranger's.
 class PlayTable {
  public:
   PlayTable(const std::string& text, const CommandLine& app, PlayFile& into)
@@ -184,11 +169,15 @@ class PlayTable {
   /// @param name of the setting or option. @param key as the file has it.
   void read_number(const std::string& name, const std::string& key, const toml::node& node) {
     const Setting* const setting = find_setting(name);
-    if (setting ? setting->from_file == From::kNo : app_.has(name))
+    if (!setting && app_.has(name))
       file_.fail(node, format("{} cannot be set by a file, only by the command line", key));
-    if (!setting) file_.fail(node, unknown_key(key, /*in_file=*/true));
-    if (const std::string mistake = parse_setting(name, node, into_.given); !mistake.empty())
+    if (!setting) file_.fail(node, unknown_key(key));
+    if (const std::string mistake = parse_setting(*setting, node, into_.given); !mistake.empty())
       file_.fail(node, mistake);
+    const bool own = file_.root().size() == 1;  // nothing but [play]
+    if (own && !is_option(*setting)) return;
+    if (setting->from_file == From::kNo)
+      file_.fail(node, format("{} can only be set by a file that has the table [play] alone", key));
     PlaySettings defaults;
     const double usual = setting->values(defaults)[0];
     const double value = into_.given.back().second[0];
@@ -196,10 +185,12 @@ class PlayTable {
     const bool higher = setting->from_file == From::kHigher && value < usual;
     const std::string unit = name == "--gain" ? "" : std::string(" ") + setting->unit;
     if (lower || higher)
-      file_.fail(node,
-                 format("{} = {}: a file can only set {}{} or {}; the command line can set {}", key,
-                        to_text(value), to_text(usual), unit, lower ? "less" : "more",
-                        lower ? "more" : "less"));
+      file_.fail(node, format("{} = {}: {} can only set {}{} or {}; {} can set {}", key,
+                              to_text(value), is_option(*setting) ? "a file" : "this file",
+                              to_text(usual), unit, lower ? "less" : "more",
+                              is_option(*setting) ? "the command line"
+                                                  : "one that has the table [play] alone",
+                              lower ? "more" : "less"));
   }
 
   TomlFile file_;
@@ -271,8 +262,8 @@ void add_settings(CommandLine& app, GivenSettings& given, PlayFile& file) {
   // Other filters read the other tables of such a file.
   app.add(
          "--config", [&](const std::string& name) { read_config(name, app, file); },
-         "TOML file whose table [play] sets --axes, --scale and mapping.*, and lowers the gain and "
-         "limits. Options on the command line override the file.")
+         "TOML file whose table [play] has settings: axes, gain, max-force, scale and those of the "
+         "table below. Options on the command line override the file.")
       .type("FILE");
   for (const Setting& setting : kSettings) {
     if (!is_option(setting)) continue;
@@ -285,12 +276,6 @@ void add_settings(CommandLine& app, GivenSettings& given, PlayFile& file) {
         .type(setting.unit)
         .within(setting.low, setting.high, format("a number{}", bounds(setting)));
   }
-  app.add(
-         "--set", [&](const std::string& text) { set(text, given); },
-         "Value of a setting of the table below, as in --set safety.ramp=200 or --set "
-         "'mapping.offset=[0.1,0,0]'. It can be given several times.")
-      .type("KEY=VALUE")
-      .repeatable();
 }
 
 std::string settings_help() {

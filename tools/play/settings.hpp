@@ -1,8 +1,10 @@
 // The numbers that a play can be told: what each of them means, its unit, default and bounds stand
-// in one table. It drives the parsing of --set and of the table [play] of --config, and the help.
+// in one table. It drives the parsing of the table [play] of --config, and the help.
 //
-// A file of --config may be a stranger's: it maps the hand to the model, and lowers limits. Nothing
-// else in it is taken, least of all where plug-ins and outputs are, and no limit is raised by it.
+// A file with other tables, such as a definition, may be a stranger's: it maps the hand to the
+// model, and makes limits stricter. A file that has the table [play] alone is the user's own, and
+// sets everything here but a gain or force above the defaults. Nothing else is taken from either,
+// least of all where plug-ins and outputs are.
 #pragma once
 
 #include <array>
@@ -32,7 +34,7 @@ struct PlaySettings {
   double spin_us = 0;  ///< see Pacer
 };
 
-/// Whether a file may set a number.
+/// Whether a file that may be a stranger's sets a number. For options this holds for each file.
 enum class FromFile {
   kNo,
   kFree,    ///< as the command line
@@ -42,7 +44,7 @@ enum class FromFile {
 
 /// One row of the table: one number, or several that belong together.
 struct Setting {
-  const char* name;  ///< a key of --set; or an option, which begins with "--"
+  const char* name;  ///< a key of the table; or an option, which begins with "--"
   const char* unit;
   double low, high;  ///< bounds of each number
   FromFile from_file;
@@ -68,16 +70,15 @@ struct PlayFile {
   std::string axes = {};  ///< as it is written; empty: it has none
 };
 
-/// Adds the options --gain, --max-force, --scale, --set and --config, whose file's table [play] has
-/// keys `axes`, gain, max-force and scale, and sub-tables with keys of --set. `given` and `file`
-/// must outlive `app`.
+/// Adds the options --gain, --max-force, --scale and --config, whose file's table [play] has keys
+/// `axes`, gain, max-force and scale, and sub-tables. `given` and `file` must outlive `app`.
 void add_settings(CommandLine& app, GivenSettings& given, PlayFile& file);
 
 /// "NAME sets max-force = 1.5, axes = -z,x,y": what counts of a file beside the command line's
 /// own settings.
 std::string file_text(const PlayFile& file, const GivenSettings& given, bool axes_given);
 
-/// The keys of --set as a table for the help.
+/// The other keys of [play] as a table for the help.
 std::string settings_help();
 
 }  // namespace hapgrid

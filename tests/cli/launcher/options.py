@@ -78,7 +78,7 @@ FILTERS = {
         "--log": Option("other.log"), "--frames": Option("out.frames"), "--report": Option("out.json"),
         "--sessions": Option("out.table", SIMULATED), "--axes": Option("y,x,z", SIMULATED),
         "--config": Option("play.toml", SIMULATED), "--gain": Option("2"), "--max-force": Option("0.001", telling="0"),
-        "--scale": Option("5", SIMULATED), "--set": Option("safety.ramp=5")}),
+        "--scale": Option("5", SIMULATED)}),
     "view": ({"": "one.frames"}, {
         "--xyz": Option("a.xyz"), "--hip-label": Option("He", {"--xyz": "a.xyz"}), "--png": Option("a.png", SMALL),
         "--at": Option("0", {**SMALL, "": "frames"}), "--html": Option("a.html"), "--web": Option(),

@@ -11,7 +11,7 @@ for tool in seed expand merge verify stats play view check-model molecule-check;
   # Of the help's options, those whose text says so. A text can go on in further lines.
   for option in $(sed -E ':a; N; $!ba; s/\n {20,}/ /g' help | sed -nE 's/^  (-., )?(--[a-z-]+).* given several times.*/\2/p' | sort -u); do
     case $option in
-      --set) value=safety.ramp=600 ;;
+      --set) value=grid.spacing=1 ;;
       --cost) value=path ;;
       *) value=. ;;
     esac
@@ -24,7 +24,7 @@ for tool in seed expand merge verify stats play view check-model molecule-check;
   done
 done
 same "options that can be repeated" " seed--model-path seed--set expand--model-path merge--model-path \
-verify--model-path stats--cost play--model-path play--set view--model-path check-model--model-path check-model--set molecule-check--set" "$found"
+verify--model-path stats--cost play--model-path view--model-path check-model--model-path check-model--set molecule-check--set" "$found"
 # Numbers with commas between them are one value.
 for order in "--xyz 0.5,0,0,1 no-such" "no-such --xyz 0.5,0,0,1"; do
   refuses "molecule-check: no-such: No such file or directory" -- molecule-check $order

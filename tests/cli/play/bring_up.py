@@ -168,7 +168,7 @@ open(sys.argv[2], "w").close()
 # It pushes the wrong way along one axis.
 _, said, table = whole("wrong", ((0, 1, 1), (1, 1, -1), (2, 1, 1)))
 print(table)
-assert 'axes = "x,y,z"\nmax-force = 0  # it pushes the wrong way along y: play with --max-force 2 --set mapping.push=[1,-1,1], or' in table, table
+assert 'axes = "x,y,z"\nmax-force = 0  # it pushes the wrong way along y: correct the adapter, or put mapping.push = [1,-1,1] in place of max-force' in table, table
 assert "delay = 0 " in table, table
 
 # Every way out, with a force on the hand.

@@ -14,8 +14,8 @@ plugins = sys.argv[1]
 PROFILE = f"{os.environ['HAPGRID_SOURCE']}/examples/devices/teensy-rawhid.toml"
 
 
-def play(*options, grid=("stuck.0",), device=f"hid:{PROFILE}"):
-    of_grid = ["--model-path", plugins, "--traversal", "paper", "--set", "safety.ramp=50"] if grid else []
+def play(*options, grid=("stuck.0",), device=f"hid:{PROFILE}", settings="ramp.toml"):
+    of_grid = ["--model-path", plugins, "--traversal", "paper", "--config", settings] if grid else []
     return subprocess.Popen(["play", *grid, "--device", device, *of_grid, *options], env=environment(), stdout=subprocess.DEVNULL if grid else subprocess.PIPE,
                             stderr=subprocess.PIPE, text=True)
 
@@ -80,15 +80,14 @@ device.end()
 # A SpaceMouse: pushed half way to the left, the HIP goes half of mapping.speed that way, and nowhere else;
 # two buttons are in the log. When its reports stay out, the HIP stops after 0.2 s.
 device = Device(SPACEMOUSE, struct.pack("<B3h", 1, -175, 0, 0))
-process = play("--rate", "500", "--duration", "1.5", "--set", "mapping.speed=0.4", "--log", "mouse.session",
-               device="spacemouse")
+process = play("--rate", "500", "--duration", "1.5", "--log", "mouse.session", device="spacemouse", settings="mouse.toml")
 wait(lambda: os.path.exists("mouse.session"), "no log")  # the device is open
 device.messages.append(b"i" + struct.pack("<BH", 3, 3))
 time.sleep(0.4)
 device.is_silent = True
 error = process.communicate(timeout=60)[1]
 assert process.returncode == 0, error
-assert error.startswith("play: SpaceMouse Wireless (256f:c62e) at 500 Hz; "), error
+assert error.splitlines()[1].startswith("play: SpaceMouse Wireless (256f:c62e) at 500 Hz; "), error
 device.end()
 assert not device.written, device.written
 text = subprocess.run([sys.executable, os.environ["HAPGRID_SOURCE"] + "/tests/cli/stats/session.py", "text", "mouse.session"], check=True,

@@ -5,8 +5,10 @@ seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --co
 
 # 362 ticks there and back: frames at 0, 40, ..., 360, and the last one, 361.
 for i in {-90..90} {90..-90}; do echo "$(printf '%de-2' "$i") 0.01 0"; done >path
-bare=(--set safety.ramp=0)  # what is sent is what was computed
-expect 0 '' "~play: 362 ticks, .*
+settings bare.toml "safety.ramp = 0"
+bare=(--config bare.toml)  # what is sent is what was computed
+expect 0 '' "~play: bare.toml sets safety.ramp = 0
+play: 362 ticks, .*
 play: ticks outside the box 0, .*
 play: largest force .*
 play: frames written 11, dropped 0" -- play grid --device path:path --frames x.frames --log log "${bare[@]}"

@@ -1,6 +1,7 @@
 # A session with the keyboard, in a pseudo terminal; the terminal is given back afterwards.
 source "$(dirname "$0")/../lib.sh"
 seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete -o grid
+settings offset.toml 'mapping.offset = [0.3, 0.2, 0.1]'
 python3 - <<'PYTHON'
 import os, pty, re, select, signal, sys, termios, time
 
@@ -61,7 +62,7 @@ assert code == 130, (code, error)
 code, error = session([], lambda pid, terminal: os.kill(pid, signal.SIGTERM))
 assert code == 143, (code, error)
 code, error = session([], lambda pid, terminal: os.write(terminal, b"q"),
-                      ["--set", "mapping.offset=[0.3,0.2,0.1]"])
+                      ["--config", "offset.toml"])
 moved = (0.3 + start[0], 0.2 + start[1], 0.1 + start[2])  # from the middle of the box
 assert code == 0 and all(abs(a - b) < 1e-9 for a, b in zip(hips()[0], moved)), (code, error, hips()[0])
 # Before the first tick: the terminal is raw, and the pipe for the frames has no reader. Signals are

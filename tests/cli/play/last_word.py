@@ -9,7 +9,7 @@ import subprocess
 import sys
 import time
 
-from patience import Busy, patiently
+from patience import Busy, patiently, ramp, whole
 from process import ADAPTER, BUSY, Play, at_once, numbers, plugins, running
 
 
@@ -126,9 +126,9 @@ def started(cores, mode="good", options=()):
     """A play that pushes, and the process ids of the three."""
     words = f"record.{next(numbers)} {mode} 1000000000"
     if mode.startswith("script-"):
-        open("start.sh", "w").write(f'/usr/bin/python3 {ADAPTER} "$@"\nexit $?\n')
+        whole("start.sh", f'/usr/bin/python3 {ADAPTER} "$@"\nexit $?\n')
     command = f"sh start.sh {words}" if mode.startswith("script-") else f"/usr/bin/python3 {ADAPTER} {words}"
-    play = Play(mode, command=command, options=["--set", "safety.ramp=20", *options],
+    play = Play(mode, command=command, options=options, ramp_ms=20,
                 wrapper=["taskset", "-c", "0"] if cores == 1 else [])
     play.record = words.split()[0]
     try:
@@ -289,7 +289,7 @@ def scarce():
         command = f"prlimit --{name}={value} {' '.join(user)} play stuck.0 --device".split()
         ended = subprocess.run(
             [*command, f"process:/usr/bin/python3 {ADAPTER} {record} good", "--model-path", plugins, "--traversal", "paper",
-             "--set", "safety.ramp=20", "--duration", "0.2"], env=dict(os.environ, **dict([tag.split("=")])),
+             *ramp(20)[0], "--duration", "0.2"], env=dict(os.environ, **dict([tag.split("=")])),
             stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, timeout=60)
         forces = [line.split()[2] for line in open(record) if " force " in line]
         assert not forces or float(forces[-1]) == 0, (name, value, forces[-3:])

@@ -30,8 +30,8 @@ class Play:
                 stdout=subprocess.PIPE, text=True)
             command = f"/usr/bin/python3 {source}/examples/devices/haply.py {self.service.stdout.readline().strip()}"
         self.process = subprocess.Popen(
-            ["play", "stuck.0", "--device", f"process:{command}", "--model-path", plugins, "--traversal", "paper", "--set",
-             "safety.ramp=50", *options], env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+            ["play", "stuck.0", "--device", f"process:{command}", "--model-path", plugins, "--traversal", "paper",
+             "--config", "ramp.toml", *options], env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
 
     def heard(self):
         return open(self.record).read().splitlines()
@@ -100,7 +100,7 @@ for adapter, why in [("force-dimension", "no device: no device found"),
                      ("haply deep", "RecursionError: maximum recursion depth exceeded.*")]:
     adapter, _, fault = adapter.partition(" ")
     play = patiently(lambda: Play(adapter, fault or "absent", "0").end(1, f"play: process '[^\n]*': {why}"))
-    assert play.error.count("\n") == 1, play.error
+    assert play.error.count("\n") == 2, play.error  # the first says what ramp.toml sets
 
 # One that fails while it is played; the adapter lets go by itself. And one that hangs, which is killed. Behind both,
 # --release finds the device, unless its service is gone.

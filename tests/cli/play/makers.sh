@@ -1,6 +1,7 @@
 # play with the adapters of examples/devices, before stand-ins for makers' kits.
 source "$(dirname "$0")/../lib.sh"
 stuck_grid 0
+settings ramp.toml 'safety.ramp = 50'
 python3 "$here/makers.py"
 
 # The example without hardware. An adapter in Python is short, and needs no package.

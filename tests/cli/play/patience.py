@@ -2,6 +2,22 @@
 attempt: as in_time of cli/lib.sh, which says how attempts are counted."""
 import os
 import sys
+import threading
+
+
+def whole(name, text):
+    """Writes a file that others may be reading, at once."""
+    part = f"{name}.{threading.get_ident()}"
+    with open(part, "w") as file:
+        file.write(text)
+    os.replace(part, name)
+
+
+def ramp(ms):
+    """Options of play with this ramp, and the line that it begins with."""
+    name = f"ramp{ms}.toml"
+    whole(name, f"[play]\nsafety.ramp = {ms}\n")
+    return ["--config", name], f"play: {name} sets safety.ramp = {ms}\n"
 
 
 class Busy(Exception):

@@ -41,10 +41,12 @@ cmp again log
 
 # Outside the box, over many cells at once, with a small limit.
 printf '%s\n' '-0.95 0.01 0.01' '0 0.01 0.01' '-9 0.01 0.01' >jumps
-expect 0 '' "play: 3 ticks, 38 cell switches: 38 face, 0 edge, 0 vertex; the state snapped in 0 ticks
+settings bare.toml 'safety.ramp = 0'
+expect 0 '' "play: bare.toml sets safety.ramp = 0
+play: 3 ticks, 38 cell switches: 38 face, 0 edge, 0 vertex; the state snapped in 0 ticks
 play: ticks outside the box 1, with a jump split 2, lagging behind a jump 0
 play: largest force 0.202 N of the model, 0.05 N sent; safety, in ticks: faded 1, clamped 1" \
-  -- play grid --device path:jumps --max-force 0.05 --set safety.ramp=0 --log log
+  -- play grid --device path:jumps --max-force 0.05 --config bare.toml --log log
 awk -F '\t' 'NR > 1 && $8 * $8 + $9 * $9 + $10 * $10 > 0.05 * 0.05 * (1 + 1e-15) { bad = 1 }
              NR == 3 && $8 * $8 + $9 * $9 + $10 * $10 < 0.049 * 0.049 { bad = 1 }
              NR == 4 && ($2 != -9 || $19 != 0) { bad = 1 } END { exit bad }' log || fail "limits: $(cat log)"

@@ -11,7 +11,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 
 import system_calls
-from patience import Busy, patiently
+from patience import Busy, patiently, ramp
 
 plugins = f"{os.environ['HAPGRID_BUILD']}/tests/plugins"
 ADAPTER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "adapter.py")
@@ -37,12 +37,13 @@ def running(pid):
 
 
 class Play:
-    def __init__(self, mode, *words, options=(), grid="stuck.0", command=None, wrapper=()):
+    def __init__(self, mode, *words, options=(), grid="stuck.0", command=None, wrapper=(), ramp_ms=50):
         self.mode, self.record = mode, f"record.{next(numbers)}"
         command = command or f"/usr/bin/python3 {ADAPTER} {self.record} {mode} {' '.join(words)}"
+        settings, self.first_line = ramp(ramp_ms)
         self.process = subprocess.Popen(
             [*wrapper, "play", grid, "--device", f"process:{command}", "--model-path", plugins, "--traversal", "paper",
-             "--set", "safety.ramp=50", *options], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+             *settings, *options], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
 
     def events(self, kind):
         """Those of the record: (time, words...). The adapter may be in the middle of its last line."""
@@ -67,7 +68,7 @@ class Play:
 
     def end(self, code, line, one_line=False):
         """The exit code, the last line on standard error, and no process: not a moment later."""
-        error = self.process.communicate(timeout=30)[1]
+        error = self.process.communicate(timeout=30)[1].removeprefix(self.first_line)
         assert self.process.returncode == code, (self.mode, self.process.returncode, error)
         lines = error.splitlines()
         assert re.fullmatch(line, lines[-1]), (self.mode, error)
@@ -220,7 +221,7 @@ def at_the_end():
         play = Play("tardy", "0", options=["--duration", "2", "--report", "slow.json"])
         error = play.end(0, "play: lateness .*")
         assert re.search(r"^play: of 10 answers of the adapter, one came [3-9]\.?\d* ms after its force or later: the force "
-                         r"acts late, give --set safety.delay=[3-9]$", error, re.M), error
+                         r"acts late, set safety.delay = [3-9] in the file of --config$", error, re.M), error
         assert json.load(open("slow.json"))["answers"]["delay_ticks"] >= 3
         return "slow: told"
 

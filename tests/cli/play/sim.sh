@@ -16,10 +16,12 @@ TOML
 
 # The box is 1.9 rope lengths long, and 0.1 m reach from end to end: 19 a metre. Without a ramp what is stored is the
 # energy of the first tick; with --traversal paper it is the one that the log has.
-plain=(--traversal paper --set safety.ramp=0 --set safety.reserve=inf)
+settings plain.toml 'safety.ramp = 0' 'safety.reserve = inf'
+plain=(--traversal paper --config plain.toml)
 play grid --device sim:sim.toml "${plain[@]}" --log log --report report --sessions table 2>summary
 python3 "$here/sim.py" log table report summary
-expect 0 '' "~play: 24000 ticks, .*" -- play grid --device sim:sim.toml "${plain[@]}" --log a.session --sessions again
+expect 0 '' "~play: plain.toml .*
+play: 24000 ticks, .*" -- play grid --device sim:sim.toml "${plain[@]}" --log a.session --sessions again
 cmp again table
 # A replay starts anew where the sessions did, by the same rule.
 play grid --device replay:a.session --log replayed 2>/dev/null

@@ -3,7 +3,8 @@
 source "$(dirname "$0")/../lib.sh"
 seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete -o grid
 for i in {-90..90} {89..-90}; do echo "$(printf '%de-2' "$i") 0.01 0"; done >path
-play grid --device path:path --set safety.ramp=0 --frames x.frames --log x.session 2>words
+settings bare.toml 'safety.ramp = 0'
+play grid --device path:path --config bare.toml --frames x.frames --log x.session 2>words
 snaps=$(sed -nE 's/.*the state snapped in ([0-9]+) ticks/\1/p' words)
 ((snaps > 0)) || fail "nothing snaps"
 

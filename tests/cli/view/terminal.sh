@@ -6,7 +6,8 @@ frames=$HAPGRID_SOURCE/schemas/frame.capnp
 
 seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete -o grid
 for i in {-90..90}; do echo "$(printf '%de-2' "$i") 0.01 0"; done >path
-play grid --device path:path --set safety.ramp=0 --frames x.frames 2>/dev/null
+settings bare.toml 'safety.ramp = 0'
+play grid --device path:path --config bare.toml --frames x.frames 2>/dev/null
 # messages SED: those of the frames.
 messages() { capnp decode --short "$frames" Message <x.frames | sed -n "$1" | capnp encode "$frames" Message; }
 messages '1p;5p' >one

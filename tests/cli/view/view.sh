@@ -3,7 +3,8 @@ source "$(dirname "$0")/../lib.sh"
 frames=$HAPGRID_SOURCE/schemas/frame.capnp
 seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete -o grid
 for i in {-90..90}; do echo "$(printf '%de-2' "$i") 0.01 0"; done >path
-play grid --device path:path --set safety.ramp=0 --frames x.frames 2>/dev/null # 181 ticks: 6 frames
+settings bare.toml 'safety.ramp = 0'
+play grid --device path:path --config bare.toml --frames x.frames 2>/dev/null # 181 ticks: 6 frames
 
 # The report.
 report='model    hung-ball
@@ -28,7 +29,7 @@ view segments | cmp - <(view x.frames)
 # The trajectory: as a file, on standard output, live through a pipe.
 expect 0 '' '' -- view x.frames --xyz x.xyz
 view --xyz - <x.frames | cmp - x.xyz
-play grid --device path:path --set safety.ramp=0 --frames - 2>/dev/null | view --xyz - | cmp - x.xyz
+play grid --device path:path --config bare.toml --frames - 2>/dev/null | view --xyz - | cmp - x.xyz
 same "lines" $((6 * 51)) "$(wc -l <x.xyz)"
 same "first lines" $'49\ntime=0 tick=0 hip=-0.9,0.01,0 force=0,0,0 energy=0 units="time s, hip rope lengths, force N, energy N rope lengths"\nX 0.000000 0.000000 0.000000' \
   "$(head -3 x.xyz)"
@@ -50,7 +51,7 @@ expect 0 '' '' -- view x.frames --png last.png
 same "size" "800 x 600" "$(/usr/bin/python3 "$here/png.py" size last.png)"
 view --png - <x.frames | cmp - last.png
 view x.frames --at 1e6 --png - | cmp - last.png
-play grid --device path:path --set safety.ramp=0 --frames - 2>/dev/null | view --png piped.png
+play grid --device path:path --config bare.toml --frames - 2>/dev/null | view --png piped.png
 cmp piped.png last.png
 # The nearest frame, the earlier of two.
 view x.frames --png at.png --at 0.12
