@@ -9,25 +9,17 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <future>
 #include <iostream>
 #include <memory>
 #include <optional>
 #include <string>
 #include <system_error>
 #include <thread>
-#include <utility>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
-#include "libcore/check/invariants.hpp"
-#include "libcore/grid/vec3.hpp"
 #include "libcore/loop/realtime.hpp"
-#include "libcore/model/fields.hpp"
-#include "libcore/model/plugin_model.hpp"
-#include "libcore/search/converter.hpp"
-#include "libcore/shard/reader.hpp"
 #include "tools/common/signals.hpp"
 #include "tools/common/terminal_turn.hpp"
 #include "tools/common/tool.hpp"
@@ -37,7 +29,7 @@
 #include "tools/play/list_devices.hpp"
 #include "tools/play/log.hpp"
 #include "tools/play/options.hpp"
-#include "tools/play/played_force.hpp"
+#include "tools/play/prepared.hpp"
 #include "tools/play/refusals.hpp"
 #include "tools/play/report.hpp"
 #include "tools/play/selftest.hpp"
@@ -64,11 +56,6 @@ extern "C" void end_busy_loop(int) {
   ::_exit(kExitFailed);
 }
 
-/// Whether a fault was left: at the end, or in any session of a simulation.
-bool is_faulted(const LoopSummary& s, const SafetyCore& safety, const RunFacts& facts) {
-  return safety.faulted() || (facts.sessions && s.count_of(kFault) > 0);
-}
-
 /// @throw Error when the play must not count as done.
 void require_good_end(const LoopSummary& s, bool faulted, const RunFacts& facts,
                       const Device& device) {
@@ -81,8 +68,8 @@ void require_good_end(const LoopSummary& s, bool faulted, const RunFacts& facts,
                           : s.blocked           ? "a link of the grid leads nowhere"
                           : s.not_finite        ? "the HIP was not finite"
                                                 : "the force was not finite";
-  throw Error(format("{}: zero force in {}{} of {} ticks", why, facts.sessions ? "" : "the last ",
-                     s.count_of(kFault), s.ticks));
+  throw Error(
+      format("{}: zero force in the last {} of {} ticks", why, s.count_of(kFault), s.ticks));
 }
 
 /// Whether a viewer may wait in vain at the end of a pipe, as in `play GRID --device keys | view`:
@@ -92,11 +79,6 @@ bool viewer_waits(const PlayOptions& options) {
   return options.frames.empty() && options.device && is_live(*options.device) &&
          options.log != "-" && options.report != "-" && ::fstat(STDOUT_FILENO, &out) == 0 &&
          S_ISFIFO(out.st_mode);
-}
-
-/// The model for states of the grid: one that answers as the grid's did. @throw ModelError, Error
-std::unique_ptr<Model> exact_model(const GridSpec& spec, const ModelOptions& options) {
-  return create_model(*model_source(spec, options), spec);
 }
 
 /// What the user gave, and defaults.
@@ -135,15 +117,14 @@ Settled settle(const PlayOptions& options, const std::optional<SessionHeader>& s
   return settled;
 }
 
-/// Ticks in a second that nobody waits for.
-double virtual_rate_hz(const PlayOptions& options) {
+/// Ticks in a second of a text that is replayed.
+double replayed_rate_hz(const PlayOptions& options) {
   return options.rate_hz > 0 ? options.rate_hz : kUnpacedHz;
 }
 
 LoopOptions pace(const PlayOptions& options, const OpenDevice& open, double spin_us) {
   LoopOptions loop{.rate_hz = options.rate_hz, .spin_us = spin_us};
   if (open.session) loop.unpaced_hz = open.session->rate_hz;
-  if (open.simulated) loop = {.unpaced_hz = virtual_rate_hz(options)};
   if (is_live(*options.device) && loop.rate_hz == 0)
     loop.rate_hz = open.adapter ? open.adapter->rate_hz() : kDefaultRateHz;
   if (open.adapter && loop.rate_hz > open.adapter->rate_hz())
@@ -167,30 +148,6 @@ std::jthread watch(Device& device, const std::atomic<std::uint64_t>& heartbeat,
   });
 }
 
-// A contact of a model whose energy is not known counts as one that is as deep as this, in metres
-// of the hand: so deep that a tremor does not reach its end.
-constexpr double kUnknownDepth = 1e-3;
-
-/// What the loop plays.
-struct PlayedForce {
-  PlayForce& force;
-  double gain;
-  double scale;  ///< model units per metre; 0: not known
-  Vec3 last{0, 0, 0};
-
-  Vec3 operator()(const Traversal& traversal) { return last = force(traversal); }
-  double model_energy(const Traversal& traversal) const {
-    if (!(scale > 0)) return 0;
-    const std::optional<double> energy = force.model_energy(traversal);
-    return gain * (energy ? *energy / scale : kUnknownDepth * length_of(last));
-  }
-  std::optional<double> account(const Traversal& traversal) const {
-    const std::optional<double> account = force.account(traversal);
-    if (!account || !(scale > 0)) return std::nullopt;
-    return gain / scale * *account;
-  }
-};
-
 /// Runs the loop to its end, in real time where that is wanted and there is a rate. Says at the
 /// start, and in `facts`, what the system gave.
 template <class Use>
@@ -211,7 +168,7 @@ LoopSummary drive(Device& device, Mapping& mapping, Traversal& traversal, Safety
 /// Prints and writes what happened. @return the exit code @throw Error for a bad end
 int conclude(const PlayOptions& options, const LoopSummary& summary, RunFacts facts,
              const SafetyCore& safety, const Device& device, const Viewers& viewers) {
-  const bool faulted = is_faulted(summary, safety, facts);
+  const bool faulted = safety.faulted();
   const bool bad = summary.end == LoopExit::kDeviceFailed || !summary.zero_sent || faulted;
   facts.exit_code = bad                                 ? kExitFailed
                     : summary.end == LoopExit::kStopped ? 128 + caught_signal.load()
@@ -220,11 +177,6 @@ int conclude(const PlayOptions& options, const LoopSummary& summary, RunFacts fa
   print_summary(summary, facts);
   viewers.print_summary();
   if (!options.report.empty()) write_report(options.report, summary, facts);
-  if (facts.sessions && !options.sessions.empty()) {
-    OutputFile table(options.sessions, /*binary=*/false);
-    table.write(sessions_table(*facts.sessions));
-    table.commit();
-  }
   require_good_end(summary, faulted, facts, device);
   return facts.exit_code;
 }
@@ -269,39 +221,25 @@ int play(const PlayOptions& options) {
   // Where another thread's heap grows, the kernel fills the new pages of locked memory while the
   // loop waits: let it grow seldom, and before the loop begins.
   if (is_live(*options.device)) ::mallopt(M_TOP_PAD, 8 << 20);
-  Viewers viewers(options);
-  const LoadedGrid loaded = load_grid(options.grid);
-  const Grid& grid = loaded.grid;
-  require_playable(grid, options.grid == "-" ? "standard input" : options.grid);
+  Viewers viewers(options.frames, keys_of(*options.device));
+  const PlayedGrid grid(options.grid, options.model);
   const GridSpec& spec = grid.spec();
-  const auto create = [&] {
-    return Plugin(spec.model, model_path(options.model.path)).create(spec.parameters);
-  };
-  const Fields fields(spec, create, /*wants_shape=*/false);
 
   // A live device is opened last, and signals are caught from then on: one must not leave a
   // terminal without lines and echo. Until then a signal ends the program at once, also while it
   // reads a path from standard input or prepares a large grid.
+  const bool live = is_live(*options.device);
   const auto open_it = [&] {
-    return open_device(*options.device, given_settings(options), virtual_rate_hz(options),
+    return open_device(*options.device, given_settings(options), replayed_rate_hz(options),
                        options.rate_hz, spec.box);
   };
   std::optional<OpenDevice> opened;
-  if (!is_live(*options.device)) opened.emplace(open_it());
+  if (!live) opened.emplace(open_it());
   auto [settings, rule, wanted_beside] =
-      settle(options, opened ? opened->session : std::nullopt, loaded);
-  const auto create_exact = [&] { return exact_model(spec, options.model); };
-  // The records are asked by all threads, and the traversal is prepared mostly by one.
-  std::future<NodeForces> records = PlayForce::ask_records(rule, grid, create);
-  const std::unique_ptr<Traversal> traversal = traversals(rule, grid, create_exact)();
-  const std::unique_ptr<Beside> beside =
-      make_beside(wanted_beside, options.beside || !options.model.allowed.empty(),
-                  is_live(*options.device), grid, traversal->branch_nodes(), create_exact);
-  traversal->walk_beside(beside.get());
-  const auto truth = opened && opened->wants_truth
-                         ? traversals(TraversalRule::kModel, grid, create_exact)()
-                         : nullptr;
-  PlayForce force(grid, traversal->branch_nodes(), fields, std::move(records));
+      settle(options, opened ? opened->session : std::nullopt, grid.loaded);
+  Follower follower(grid, rule, wanted_beside, options.beside || !options.model.allowed.empty(),
+                    live);
+  Beside* const beside = follower.beside.get();
 
   std::optional<CaughtSignals> signals(std::in_place);
   if (!opened) opened.emplace(open_it());
@@ -317,48 +255,40 @@ int play(const PlayOptions& options) {
   const double rate_hz = loop.tick_rate_hz();
   Mapping mapping(settings.mapping, device.info(), spec.box);
   SafetyCore safety(settings.safety);
-  std::optional<Sessions> sessions;
-  if (open.simulated)
-    sessions.emplace(*open.simulated, safety, fields,
-                     Sessions::Setup{.rate_hz = rate_hz, .gain = settings.safety.gain},
-                     truth.get());
-  viewers.start(spec, create, rate_hz, loop.paced(), caught_signal,
-                std::min(settings.safety.max_force, settings.safety.gain * force.largest()));
+  viewers.start(
+      spec, grid.create, rate_hz, loop.paced(), caught_signal,
+      std::min(settings.safety.max_force, settings.safety.gain * follower.force.largest()));
   RunFacts facts{.model = spec.model,
                  .device = device.info().name,
                  .traversal = name_of(rule),
-                 .force = force.source(),
+                 .force = follower.force.source(),
                  .rate_hz = loop.rate_hz,
-                 .beside = beside.get(),
+                 .beside = beside,
                  .answers = open.adapter ? &open.adapter->delays() : nullptr,
                  .declared_delay = settings.safety.delay_ticks};
-  PlayedForce played{force, settings.safety.gain, mapping.scale()};
+  PlayedForce played{follower.force, settings.safety.gain, mapping.scale()};
   // As late as possible: an older session of that name is lost now. A signal that came before the
   // first tick leaves it.
-  Log log(caught_signal == 0 ? options.log : "", loaded, fields, rate_hz, loop.paced(), open.ticks,
+  Log log(caught_signal == 0 ? options.log : "", grid.loaded, grid.fields, rate_hz, loop.paced(),
+          open.ticks,
           {.limits = settings.safety,
            .scale = mapping.scale(),
            .traversal = rule,
            .beside = beside ? wanted_beside : kBesideOff});
   if (beside) beside->begin(rate_hz);
   const LoopSummary summary =
-      drive(device, mapping, *traversal, safety, played, loop,
+      drive(device, mapping, *follower.traversal, safety, played, loop,
             options.realtime.value_or(RealtimeMode::kTry), facts, [&](const Tick& tick) {
               log.add(tick);
               viewers.show(tick);
-              if (sessions) sessions->add(tick);
             });
   signals.reset();  // a second signal may interrupt the writing of what is left
   give_up_unread_messages();
   log.finish();
   viewers.finish();
   facts.frames = viewers.frames();
-  if (sessions) {
-    sessions->finish();
-    facts.sessions = &*sessions;
-  }
   return conclude_without(
-      beside.get(), [&] { return conclude(options, summary, facts, safety, device, viewers); });
+      beside, [&] { return conclude(options, summary, facts, safety, device, viewers); });
 }
 
 int run(PlayOptions options) {
@@ -391,7 +321,6 @@ int main(int argc, char** argv) {
       "  path:FILE         positions in a file; 'path:-' reads standard input\n"
       "  keys              this terminal's keyboard\n"
       "  replay:FILE       what a log has\n"
-      "  sim:FILE          a simulated device and hand, described by a TOML file\n"
       "  hid:PROFILE       a HID device that a text file describes\n"
       "  evdev[:WHICH]     a gamepad, stick or wheel\n"
       "  spacemouse[:WHICH]  a SpaceMouse, which moves the HIP but cannot show forces\n"

@@ -18,8 +18,8 @@ settings open.toml 'safety.reserve = inf' 'safety.ramp = 0'
 open=(--max-force 100 --config open.toml)
 
 returned() { # GRID OPTIONS...
-  play "$1" --device sim:sim.toml --beside off "${@:2}" --report report 2>/dev/null
-  python3 -c 'import json; r = json.load(open("report"))["simulation"]["returned_mJ"]
+  "$HAPGRID_BUILD/bench/bench_hands" "$1" sim.toml --beside off "${@:2}" --report report 2>/dev/null
+  python3 -c 'import json; r = json.load(open("report"))["returned_mJ"]
 print("%.4f / %.2f" % (r["mean"], r["worst"]))'
 }
 
@@ -51,9 +51,9 @@ done
 compute loop "$ball" 40
 printf '[random]\nsessions = 40\n' >loop.toml
 loop() { # NAME OPTIONS...
-  play loop.grid --device sim:loop.toml --beside off --log loop.log --report report "${@:2}" 2>/dev/null
+  "$HAPGRID_BUILD/bench/bench_hands" loop.grid loop.toml --beside off --log loop.log --report report "${@:2}" 2>/dev/null
   [[ -n ${session:-} ]] ||
-    session=$(python3 -c 'import json; print(json.load(open("report"))["simulation"]["returned_mJ"]["session"])')
+    session=$(python3 -c 'import json; print(json.load(open("report"))["returned_mJ"]["session"])')
   awk -v from=$((5000 * session)) '/^#/ { next }
     n++ < from || n > from + 5000 { next }
     first == "" { first = $1; stored = $(NF - 1) }

@@ -10,7 +10,7 @@
 #include "libcore/session/recording.hpp"
 #include "tests/fuzz/fuzz.hpp"
 #include "tools/devices/profile.hpp"
-#include "tools/play/simulation.hpp"
+#include "tests/bench/simulation.hpp"
 #include "tools/stats/statistics.hpp"
 
 using namespace hapgrid;
@@ -46,7 +46,7 @@ void use(const Profile& profile) {
   profile.stop_reports();
 }
 
-/// The hand and the device of `--device sim:FILE`; one that is taken moves for a while.
+/// The hand and the device of `bench_hands`; one that is taken moves for a while.
 void use(Simulation simulation) {
   // A session may have ten million ticks, whose targets are kept in memory.
   simulation.hand.seconds = std::min(simulation.hand.seconds, 1.0);

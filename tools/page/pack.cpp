@@ -15,6 +15,7 @@
 #include "libcore/check/invariants.hpp"
 #include "libcore/model/fields.hpp"
 #include "tools/common/node_forces.hpp"
+#include "tools/common/scene.hpp"
 #include "tools/common/traversals.hpp"
 #include "tools/page/packed_grid.hpp"
 
@@ -216,16 +217,8 @@ PackedGrid pack_grid(const Grid& grid, const std::string& name, const MakeModel&
   forces.nodes->add_ghosts(grid, *traversal->branch_nodes());
 
   PackedGrid packed;
-  packed.scene = {.model = spec.model,
-                  .length_unit = spec.length_unit,
-                  .energy_unit = spec.energy_unit,
-                  .box = spec.box,
-                  .state_size = spec.state_size,
-                  .hip_radius = spec.hip_radius,
-                  .spheres = fields.spheres(),
-                  .torsions = fields.torsions(),
-                  .keys = {},
-                  .largest_force = std::min(kMaxForce, forces.nodes->largest_force())};
+  packed.scene = scene_of(spec, fields);
+  packed.scene.largest_force = std::min(kMaxForce, forces.nodes->largest_force());
   packed.force_scale = fields.force_scale();
   if (forces.has_energy())
     packed.lowest = *std::min_element(of_records.energy.begin(), of_records.energy.end());

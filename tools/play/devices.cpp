@@ -17,7 +17,6 @@
 #include "libcore/device/path.hpp"
 #include "libcore/loop/mapping.hpp"
 #include "tools/common/tool.hpp"
-#include "tools/play/simulation.hpp"
 
 namespace hapgrid {
 
@@ -70,7 +69,6 @@ constexpr Form kForms[] = {
     {"keys", Argument::kNone, "keys",
      [](const std::string&) { return DeviceChoice(TerminalKeys()); }},
     {"replay", Argument::kNeeded, "replay:FILE", make<ReplayFile>},
-    {"sim", Argument::kNeeded, "sim:FILE", make<SimulationFile>},
     {kHid, Argument::kNeeded, "hid:PROFILE", make_adapter<kHid>},
     {kEvdev, Argument::kMayBe, "evdev[:WHICH]", make_adapter<kEvdev>},
     {kSpaceMouse, Argument::kMayBe, "spacemouse[:WHICH]", make_adapter<kSpaceMouse>},
@@ -121,17 +119,6 @@ OpenDevice open_replay(const std::string& file, double text_rate_hz) {
           .session = recording.header};
 }
 
-OpenDevice open_simulation(const std::string& file, double rate_hz, const MappingOptions& mapping,
-                           const Box& box) {
-  const Simulation simulation = read_simulation(file, rate_hz);
-  OpenDevice open{.device = {}, .session = {}, .wants_truth = simulation.truth};
-  const Mapping map(mapping, SimulatedDevice::info(simulation.device), box);
-  auto device = simulated_device(simulation, map, box);
-  open.simulated = device.get();
-  open.device = std::move(device);
-  return open;
-}
-
 OpenDevice open_adapter(AdapterProgram program) {
   const rlimit no_core{0, 0};  // sockets stay open until a core file is written
   ::setrlimit(RLIMIT_CORE, &no_core);
@@ -165,7 +152,6 @@ DeviceChoice parse_device(const std::string& name) {
 std::string input_file(const DeviceChoice& device) {
   if (const auto* path = std::get_if<PathFile>(&device)) return path->file;
   if (const auto* replay = std::get_if<ReplayFile>(&device)) return replay->file;
-  if (const auto* simulation = std::get_if<SimulationFile>(&device)) return simulation->file;
   return "";
 }
 
@@ -214,9 +200,6 @@ OpenDevice open_device(const DeviceChoice& device, const PlaySettings& settings,
     OpenDevice operator()(const PathFile& path) const { return open_path(path.file); }
     OpenDevice operator()(const ReplayFile& replay) const {
       return open_replay(replay.file, virtual_hz);
-    }
-    OpenDevice operator()(const SimulationFile& simulation) const {
-      return open_simulation(simulation.file, virtual_hz, settings.mapping, box);
     }
     OpenDevice operator()(const TerminalKeys&) const {
       return live(std::make_unique<KeyboardDevice>(hip_range(settings, box), box.spacing / 2));

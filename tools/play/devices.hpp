@@ -9,7 +9,6 @@
 
 #include "libcore/device/device.hpp"
 #include "libcore/device/process_device.hpp"
-#include "libcore/device/simulated.hpp"
 #include "libcore/session/recording.hpp"
 #include "tools/play/settings.hpp"
 
@@ -22,17 +21,13 @@ struct PathFile {
 struct ReplayFile {
   std::string file;
 };
-struct SimulationFile {
-  std::string file;
-};
 struct TerminalKeys {};
 /// Hardware, which an adapter drives. `kind` is "hid", "spacemouse" or "evdev", whose adapters lie
 /// beside this program, or "process"; `argument` is what stands behind it.
 struct AdapterChoice {
   std::string kind, argument;
 };
-using DeviceChoice =
-    std::variant<PathFile, ReplayFile, SimulationFile, TerminalKeys, AdapterChoice>;
+using DeviceChoice = std::variant<PathFile, ReplayFile, TerminalKeys, AdapterChoice>;
 
 /// Opens nothing. @throw UsageError for what is not a device's name
 DeviceChoice parse_device(const std::string& name);
@@ -51,14 +46,12 @@ AdapterProgram adapter_program(const AdapterChoice& choice, const PlaySettings& 
 /// A device that is open, and what play has to know about it.
 struct OpenDevice {
   std::unique_ptr<Device> device;
-  std::size_t ticks = ~std::size_t{0};         ///< how many a path or a replay has
-  std::optional<SessionHeader> session;        ///< of a replay
-  const SimulatedDevice* simulated = nullptr;  ///< `device`, if it is one
-  bool wants_truth = false;                    ///< of a simulation: the model runs beside it
-  const ProcessDevice* adapter = nullptr;      ///< `device`, if it is one
+  std::size_t ticks = ~std::size_t{0};     ///< how many a path or a replay has
+  std::optional<SessionHeader> session;    ///< of a replay
+  const ProcessDevice* adapter = nullptr;  ///< `device`, if it is one
 };
 
-/// @param virtual_hz ticks a second of a simulation, and of a replayed text, which does not say it.
+/// @param virtual_hz ticks a second of a replayed text, which does not say it.
 /// @param rate_hz see adapter_program(). @param box of the grid.
 /// @throw DeviceError, Error, std::system_error
 OpenDevice open_device(const DeviceChoice& device, const PlaySettings& settings, double virtual_hz,

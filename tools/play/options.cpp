@@ -45,8 +45,7 @@ void add_device_options(CommandLine& app, PlayOptions& options) {
 void add_time_options(CommandLine& app, PlayOptions& options) {
   app.add("--rate", options.rate_hz,
           "Rate of the control loop in Hz. Default: 1000 for a live device, or the rate that an "
-          "adapter asks for. A path or replay runs as fast as possible unless a rate is given. For "
-          "'sim:' this is the rate of the simulated clock.")
+          "adapter asks for. A path or replay runs as fast as possible unless a rate is given.")
       .type("HZ")
       .within(1e-3, 1e6, "a rate from 0.001 to 1000000 Hz");
   app.add("--duration", options.duration_s,
@@ -85,10 +84,6 @@ void add_output_options(CommandLine& app, PlayOptions& options) {
           "standard output).")
       .type("FILE")
       .writes();
-  app.add("--sessions", options.sessions,
-          "Table to write of the sessions of 'sim:', with a line for each.")
-      .type("FILE")
-      .writes();
 }
 
 void add_force_options(CommandLine& app, PlayOptions& options) {
@@ -112,7 +107,7 @@ void add_play_options(CommandLine& app, PlayOptions& options) {
   // Without a grid a device is brought up, or only looked at.
   for (const char* const of_play :
        {"--traversal", "--beside", "--model-path", "--allow-process", "--log", "--frames",
-        "--report", "--sessions", "--axes", "--gain", "--max-force", "--scale"})
+        "--report", "--axes", "--gain", "--max-force", "--scale"})
     app.option(of_play).needs(app.option("grid"));
 }
 

@@ -24,7 +24,6 @@ struct PlayOptions {
   std::string log;
   std::string frames;
   std::string report;
-  std::string sessions;
   ModelOptions model;
   std::optional<Axes> axes;
   GivenSettings given;

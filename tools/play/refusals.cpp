@@ -22,10 +22,7 @@ void check_files(const PlayOptions& options) {
   const std::string input = input_file(*options.device);
   if (options.grid == "-" && input == "-")
     throw UsageError("the grid and the device cannot both be standard input");
-  keep_inputs({{"--log", options.log},
-               {"--frames", options.frames},
-               {"--report", options.report},
-               {"--sessions", options.sessions}},
+  keep_inputs({{"--log", options.log}, {"--frames", options.frames}, {"--report", options.report}},
               {{input, "file that --device names"},
                {options.grid, "grid"},
                {options.model.allowed, "definition"}});
@@ -48,16 +45,13 @@ void require_possible(const PlayOptions& options) {
     if (*options.beside != kBesideOn && is_live(*options.device))
       throw UsageError("--beside: how late the model is for a live device cannot be chosen");
   }
-  const bool simulated = std::holds_alternative<SimulationFile>(*options.device);
-  if (!options.model.allowed.empty() && !simulated &&
+  if (!options.model.allowed.empty() &&
       (options.traversal == TraversalRule::kPaper ||
        (options.beside == kBesideOff && options.traversal != TraversalRule::kModel)))
     throw UsageError("--allow-process: with --beside off or --traversal paper, no model is asked");
-  if (options.realtime && !is_live(*options.device) && (simulated || options.rate_hz == 0))
+  if (options.realtime && !is_live(*options.device) && options.rate_hz == 0)
     throw UsageError(
         "--realtime: only a live device, or a path or replay with --rate, is played in real time");
-  if (!options.sessions.empty() && !simulated)
-    throw UsageError("--sessions: only --device sim:FILE has sessions to tell of");
   if (!options.log.empty() && !is_session_name(options.log) && is_live(*options.device))
     throw UsageError(
         "--log: a text log cannot be used with a live device; give a name that ends in "

@@ -94,7 +94,6 @@ void print_summary(const LoopSummary& s, const RunFacts& facts) {
   text += format("play: largest force {:.3g} N of the model, {:.3g} N sent; safety, in ticks: {}\n",
                  s.largest_raw, s.largest_force, acted.empty() ? "nothing to do" : acted);
   if (facts.beside && facts.beside->has_thread()) text += beside_text(*facts.beside);
-  if (facts.sessions) text += sessions_text(*facts.sessions);
   if (const double ticks = answer_delay_ticks(facts); ticks > facts.declared_delay)
     text += format(
         "play: of 10 answers of the adapter, one came {:.3g} ms after its force or later: the "
@@ -142,7 +141,6 @@ void write_report(const std::string& file, const LoopSummary& s, const RunFacts&
     report["answers"] = {{"p90_us", microseconds(facts.answers->quantile(kLateShare))},
                          {"delay_ticks", answer_delay_ticks(facts)},
                          {"declared_ticks", facts.declared_delay}};
-  if (facts.sessions) report["simulation"] = sessions_json(*facts.sessions);
   OutputFile output(file, /*binary=*/false);
   output.write(json_text(report));
   output.commit();

@@ -6,7 +6,6 @@
 #include "libcore/follow/beside.hpp"
 #include "libcore/loop/loop.hpp"
 #include "libcore/scene/publisher.hpp"
-#include "tools/play/sessions.hpp"
 
 namespace hapgrid {
 
@@ -20,7 +19,6 @@ struct RunFacts {
   const Beside* beside = nullptr;       ///< null: the grid alone decides
   std::string realtime = {};            ///< see Realtime::got()
   const FrameCounts* frames = nullptr;  ///< null: no frames were written
-  const Sessions* sessions = nullptr;   ///< of a simulated device
   const Histogram* answers = nullptr;   ///< ProcessDevice::delays(); null: not an adapter's device
   double declared_delay = 0;            ///< safety.delay, in ticks
   int exit_code = 0;

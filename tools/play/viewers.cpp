@@ -4,29 +4,17 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <string>
+#include <utility>
 
 #include "libcore/base/file.hpp"
 #include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
+#include "tools/common/scene.hpp"
 #include "tools/common/tool.hpp"
 
 namespace hapgrid {
 
 namespace {
-
-/// What the frames show of the grid's model.
-Scene describe_scene(const GridSpec& spec, const Fields& fields, const PlayOptions& options) {
-  return {.model = spec.model,
-          .length_unit = spec.length_unit,
-          .energy_unit = spec.energy_unit,
-          .box = spec.box,
-          .state_size = spec.state_size,
-          .hip_radius = spec.hip_radius,
-          .spheres = fields.spheres(),
-          .torsions = fields.torsions(),
-          .keys = keys_of(*options.device)};
-}
 
 /// Energy and shape of a frame.
 void complete(const Fields& fields, Frame& frame) {
@@ -60,7 +48,8 @@ struct Viewers::Slow {
   std::optional<FramePublisher> publisher;
 };
 
-Viewers::Viewers(const PlayOptions& options) : options_(options), file_(!options.frames.empty()) {}
+Viewers::Viewers(std::string frames, std::string keys)
+    : name_(std::move(frames)), keys_(std::move(keys)), file_(!name_.empty()) {}
 Viewers::~Viewers() = default;
 
 void Viewers::start(const GridSpec& spec, const MakeModel& create, double rate_hz, bool paced,
@@ -68,10 +57,11 @@ void Viewers::start(const GridSpec& spec, const MakeModel& create, double rate_h
   if (!file_) return;
   rate_hz_ = rate_hz;
   slow_ = std::make_unique<Slow>(spec, create);
-  Scene scene = describe_scene(spec, slow_->fields, options_);
+  Scene scene = scene_of(spec, slow_->fields);
+  scene.keys = keys_;
   scene.largest_force = largest_force;
   slow_->publisher.emplace(
-      OutputFile(options_.frames, /*binary=*/false), scene, spec.row_size(),
+      OutputFile(name_, /*binary=*/false), scene, spec.row_size(),
       [&fields = slow_->fields](Frame& frame) { complete(fields, frame); }, paced, rate_hz, stop);
 }
 
@@ -85,7 +75,7 @@ void Viewers::finish() {
   if (slow_) counts_ = slow_->publisher->finish();
   if (counts_ && counts_->lacking) static_cast<void>(slow_.release());  // its thread still runs
   // The viewer at the end of a pipe learns now that this was all, and gives the terminal back.
-  if (options_.frames == "-") ::dup2(FileDescriptor(::open("/dev/null", O_WRONLY)).get(), 1);
+  if (name_ == "-") ::dup2(FileDescriptor(::open("/dev/null", O_WRONLY)).get(), 1);
 }
 
 void Viewers::print_summary() const {

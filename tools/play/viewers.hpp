@@ -5,17 +5,18 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "libcore/loop/loop.hpp"
 #include "libcore/model/fields.hpp"
 #include "libcore/scene/publisher.hpp"
-#include "tools/play/options.hpp"
 
 namespace hapgrid {
 
 class Viewers {
  public:
-  explicit Viewers(const PlayOptions& options);
+  /// @param frames the file, "-" for standard output; empty: nobody watches. @param keys see Scene
+  Viewers(std::string frames, std::string keys);
   ~Viewers();
 
   /// Starts the slow thread if there are frames to write.
@@ -34,7 +35,7 @@ class Viewers {
   void print_summary() const;
 
  private:
-  const PlayOptions& options_;
+  std::string name_, keys_;
   bool file_;
   double rate_hz_ = kUnpacedHz;
   struct Slow;

@@ -28,9 +28,7 @@ run 3 check-model.2 check-model broken.toml --model-path "$HAPGRID_BUILD/tests/p
 run 0 stats-grid.1 stats ball.grid --format json --cost cost
 printf '%s\n' '-0.7 0.1 0' '-0.5 0.1 0' '-0.4 0 0' '-0.2 0 0' >path
 run 0 play.1 play ball.grid --device path:path --rate 2000 --report - --frames frames --log a.session
-sed '/^cat >sim.toml/,/^TOML/!d' "$here/../play/sim.sh" | sed '1d;$d' >sim.toml
-run 0 play.2 play ball.grid --device sim:sim.toml --report -
-run 0 play.3 play ball.grid --device sim:sim.toml --traversal model --report -
+run 0 play.2 play ball.grid --device path:path --traversal model --report -
 run 0 stats-session.1 stats --log a.session --format json
 
 python3 - "$HAPGRID_SOURCE/tools/man" <<'PYTHON'

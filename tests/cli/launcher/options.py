@@ -30,7 +30,6 @@ def merged(*sets):
 
 
 # slow.toml has a process that says what it is, and ends without an answer.
-SIMULATED = {"--device": "sim:random.toml"}
 # Nobody can listen at these addresses, which is said with the port.
 LIVE = {"--web": None, "--address": "198.51.100.1"}, {"--imd": None, "--address": "198.51.100.1"}
 SMALL = {"--png": "a.png", "--size": "60x40"}
@@ -71,14 +70,13 @@ FILTERS = {
         **OF_DEFINITION, "--steps": Option("30"), "--seconds": Option("9", telling="1e-9"), "--format": Option("text")}),
     "play": ({"": "ball.grid", "--device": "path:path", "--log": "out.log"}, {
         **{name: option for name, option in of_model("grid").items() if name != "--in-flight"},
-        "--device": Option("sim:random.toml"), "--traversal": Option("paper"), "--beside": Option("7"),
+        "--device": Option("path:back"), "--traversal": Option("paper"), "--beside": Option("7"),
         "--list-devices": Option(None, {"": ..., "--device": ..., "--log": ...}),
-        "--rate": Option("2000", SIMULATED), "--duration": Option("0.03"), "--realtime": Option("off", {"--rate": "2000"}),
+        "--rate": Option("2000"), "--duration": Option("0.03"), "--realtime": Option("off", {"--rate": "2000"}),
         "--selftest": Option(None, {"": ..., "--device": ..., "--log": ..., "--rate": "1000", "--duration": "0.1"}),
         "--log": Option("other.log"), "--frames": Option("out.frames"), "--report": Option("out.json"),
-        "--sessions": Option("out.table", SIMULATED), "--axes": Option("y,x,z", SIMULATED),
-        "--config": Option("play.toml", SIMULATED), "--gain": Option("2"), "--max-force": Option("0.001", telling="0"),
-        "--scale": Option("5", SIMULATED)}),
+        "--axes": Option("y,x,z"), "--config": Option("play.toml"), "--gain": Option("2"),
+        "--max-force": Option("0.001", telling="0"), "--scale": Option("5")}),
     "view": ({"": "one.frames"}, {
         "--xyz": Option("a.xyz"), "--hip-label": Option("He", {"--xyz": "a.xyz"}), "--png": Option("a.png", SMALL),
         "--at": Option("0", {**SMALL, "": "frames"}), "--html": Option("a.html"), "--web": Option(),
@@ -90,6 +88,7 @@ FILTERS = {
 # What need not show: (option, the other one), "" for all, and why.
 SILENT = {
     ("--threads", ""): "the result is the same",
+    ("--axes", ""): "a path and a replay are in the model's space",
     ("--in-flight", ""): "the result is the same",
     ("", "--quiet"): "only the exit code is left",
     ("--verbose", "--format"): "JSON has all figures",
@@ -169,7 +168,7 @@ def differences(tool):
         if first[0] == 2:
             yield f"{tool} {name}: refused: {first[2].decode()}"
         # What is shown live depends on time.
-        if name not in ("--realtime", "--selftest", "--web", "--terminal") and run(tool, alone) != first:
+        if name not in ("--rate", "--realtime", "--selftest", "--web", "--terminal") and run(tool, alone) != first:
             yield f"{tool} {name}: twice the same command is not the same: {first} {run(tool, alone)}"
     for (a, one), (b, other) in itertools.permutations(options.items(), 2):
         if {(a, ""), ("", b), (a, b)} & set(SILENT):

@@ -21,7 +21,7 @@ make_grid process --allow-process -- --allow-process process.toml
 expand --complete ball.seeds --cost cost -o again
 rm again
 for i in {-40..40}; do echo "$((i * 5))e-3 0.01 0.02"; done >path
-printf '[random]\nseed = 4\nsessions = 2\nseconds = 0.1\n' >random.toml
+tac path >back
 printf '[play]\nscale = 3\nmax-force = 1.5\n' >play.toml
 play ball.grid --device path:path --frames frames --log log.session 2>/dev/null
 echo '0.1 0.2 0.1' | play ball.grid --device path:- --frames one.frames 2>/dev/null

@@ -4,7 +4,7 @@ seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --co
 echo '0 0 0' >path
 
 help='(see play --help)'
-forms='path:FILE, keys, replay:FILE, sim:FILE, hid:PROFILE, evdev[:WHICH], spacemouse[:WHICH], process:COMMAND'
+forms='path:FILE, keys, replay:FILE, hid:PROFILE, evdev[:WHICH], spacemouse[:WHICH], process:COMMAND'
 expect 2 '' "play: grid is required $help" -- play
 expect 2 '' "play: --device is required $help" -- play grid
 expect 2 '' "play: --device: 'falcon' is not a device: $forms $help" -- play grid --device falcon
@@ -31,6 +31,14 @@ printf '0 0 inf\n' >inf
 expect 1 '' "play: inf: line 1: 'inf' is not finite" -- play grid --device path:inf
 expect 1 '' "play: /dev/null: no position in it" -- play grid --device path:/dev/null
 expect 1 '' "play: none: No such file or directory" -- play grid --device path:none
+
+# Rules, and the model beside the grid.
+expect 2 '' "play: --traversal: 'best' is not one of paper, branch, model $help" -- play grid --device path:path --traversal best
+expect 2 '' "play: --beside: how late the model is for a live device cannot be chosen $help" -- play grid --device keys --beside 5
+expect 2 '' "play: --beside: only --traversal branch has branches between which to choose $help" -- \
+  play grid --device path:path --traversal paper --beside on
+expect 2 '' "play: --beside: '20ms' is not on, off or a whole number of ticks from 1 to 10000 $help" -- \
+  play grid --device path:path --beside 20ms
 
 # Grids.
 expect 1 '' "play: none.grid: No such file or directory" -- play none.grid --device path:path

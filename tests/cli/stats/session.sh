@@ -39,8 +39,8 @@ END
 
 # One that play has recorded: read by other programs.
 seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete -o grid
-printf '[random]\nsessions = 1\nseconds = 9\n' >sim.toml
-play grid --device sim:sim.toml --log long.session 2>/dev/null
+for i in {1..9000}; do echo "$(printf '%de-4' $((i % 4000 - 5000))) 0.01 0"; done >path
+play grid --device path:path --log long.session 2>/dev/null
 mv long.session long
 same "messages" 4 "$(zstd -dc long | capnp decode --short "$HAPGRID_SOURCE/schemas/session.capnp" Message | wc -l)"
 # A play that was killed, in the middle of its last write: the whole chunks, and a line that says so.

@@ -1,4 +1,4 @@
-#include "tools/play/simulation.hpp"
+#include "tests/bench/simulation.hpp"
 
 #include <algorithm>
 #include <cmath>

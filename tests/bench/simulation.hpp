@@ -1,4 +1,4 @@
-// The TOML of --device sim:FILE; tools/man/play.h2m describes it.
+// The TOML of a simulated hand; README.md describes it.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-#include "tools/play/sessions.hpp"
+#include "tests/bench/sessions.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,6 @@
 #include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/grid/vec3.hpp"
-#include "tools/play/report.hpp"
 
 namespace hapgrid {
 
@@ -164,7 +163,7 @@ void Sessions::compare(const Tick& tick) {
 
 std::string sessions_text(const Sessions& sessions) {
   const auto line = [](const std::string& what, const Overall& o, const char* unit) {
-    return format("play: {}: mean {:.3g} {}, worst {:.3g} {} in session {}\n", what, o.mean, unit,
+    return format("hands: {}: mean {:.3g} {}, worst {:.3g} {} in session {}\n", what, o.mean, unit,
                   o.worst, unit, o.session);
   };
   const Summary s = summarize(sessions.sessions());
@@ -179,7 +178,7 @@ std::string sessions_text(const Sessions& sessions) {
     return format("mean {:.3g} N, 99 % {:.3g} N", e.mean(), e.p99());
   };
   return text + format(
-                    "play: error of the force in {} ticks in contact: {} as sent; {} before the "
+                    "hands: error of the force in {} ticks in contact: {} as sent; {} before the "
                     "safety core\n",
                     sessions.sent_error().ticks(), error(sessions.sent_error()),
                     error(sessions.raw_error()));

@@ -82,7 +82,7 @@ class Sessions {
   ForceError sent_, raw_;
 };
 
-/// The lines of play's summary.
+/// The lines of the summary.
 std::string sessions_text(const Sessions& sessions);
 nlohmann::ordered_json sessions_json(const Sessions& sessions);
 /// A line of columns for each session, separated by tabs; the first line names them.

@@ -1,7 +1,7 @@
-"""Counts again, from the log of a play with a simulated device, what play says of its sessions.
+"""Counts again, from their log, what bench_hands says of its sessions.
 
-sim.py LOG TABLE REPORT SUMMARY, with the sim.toml of sim.sh
-sim.py error LOG TRUTH TABLE     the errors of LOG's forces against those of the model in TRUTH
+hands.py LOG TABLE REPORT SUMMARY, with the sim.toml of hands.sh
+hands.py error LOG TRUTH TABLE     the errors of LOG's forces against those of the model in TRUTH
 
 How the hand wanders and rests is in unit/device/simulated_test.cpp.
 """
@@ -47,7 +47,7 @@ def judge(log, table, report, summary):
         near(said["returned_mJ"], highest, "returned")
         near(said["largest_step_N"], max(math.dist(a, b) for a, b in zip(sent, sent[1:])), "step")
     assert sum(s["holds"] for s in sessions) > 3 and max(s["returned_mJ"] for s in sessions) > 0
-    said = json.load(open(report))["simulation"]
+    said = json.load(open(report))
     returned = [s["returned_mJ"] for s in sessions]
     near(said["returned_mJ"]["mean"], sum(returned) / 6, "mean")
     assert said["returned_mJ"]["worst"] == max(returned)

@@ -1,0 +1,56 @@
+#include "tools/play/prepared.hpp"
+
+#include <utility>
+
+#include "libcore/check/invariants.hpp"
+#include "libcore/model/plugin_model.hpp"
+#include "libcore/search/converter.hpp"
+#include "tools/play/beside.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+// A contact of a model whose energy is not known counts as one that is as deep as this, in metres
+// of the hand: so deep that a tremor does not reach its end.
+constexpr double kUnknownDepth = 1e-3;
+
+LoadedGrid playable(const std::string& name) {
+  LoadedGrid loaded = load_grid(name);
+  require_playable(loaded.grid, name == "-" ? "standard input" : name);
+  return loaded;
+}
+
+}  // namespace
+
+PlayedGrid::PlayedGrid(const std::string& name, const ModelOptions& options)
+    : loaded(playable(name)),
+      create([this, path = options.path] {
+        return Plugin(spec().model, model_path(path)).create(spec().parameters);
+      }),
+      create_exact(
+          [this, options] { return create_model(*model_source(spec(), options), spec()); }),
+      fields(spec(), create, /*wants_shape=*/false) {}
+
+Follower::Follower(const PlayedGrid& grid, TraversalRule rule, const std::string& wanted, bool must,
+                   bool live)
+    : records_(PlayForce::ask_records(rule, grid.loaded.grid, grid.create)),
+      traversal(traversals(rule, grid.loaded.grid, grid.create_exact)()),
+      beside(make_beside(wanted, must, live, grid.loaded.grid, traversal->branch_nodes(),
+                         grid.create_exact)),
+      force((traversal->walk_beside(beside.get()), grid.loaded.grid), traversal->branch_nodes(),
+            grid.fields, std::move(records_)) {}
+
+double PlayedForce::model_energy(const Traversal& traversal) const {
+  if (!(scale > 0)) return 0;
+  const std::optional<double> energy = force.model_energy(traversal);
+  return gain * (energy ? *energy / scale : kUnknownDepth * length_of(last));
+}
+
+std::optional<double> PlayedForce::account(const Traversal& traversal) const {
+  const std::optional<double> account = force.account(traversal);
+  if (!account || !(scale > 0)) return std::nullopt;
+  return gain / scale * *account;
+}
+
+}  // namespace hapgrid
