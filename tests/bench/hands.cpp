@@ -12,7 +12,7 @@
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
 #include "libcore/base/format.hpp"
-#include "libcore/base/json_text.hpp"
+#include "libcore/base/json.hpp"
 #include "libcore/loop/loop.hpp"
 #include "tests/bench/sessions.hpp"
 #include "tests/bench/simulation.hpp"

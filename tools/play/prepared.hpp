@@ -10,7 +10,7 @@
 #include "libcore/follow/traversal.hpp"
 #include "libcore/grid/vec3.hpp"
 #include "libcore/model/fields.hpp"
-#include "libcore/shard/load.hpp"
+#include "libcore/shard/reader.hpp"
 #include "tools/common/models.hpp"
 #include "tools/common/traversals.hpp"
 #include "tools/play/played_force.hpp"

@@ -1,5 +1,6 @@
-# JSON of every tool that writes some has the keys that its manual page lists, all of them and no others, and a version.
+# JSON of every tool that writes some is as its schema (schemas/*.schema.json) has it: all keys and no others.
 source "$(dirname "$0")/../lib.sh"
+needs_python jsonschema python3-jsonschema
 
 stored=(--set grid.spacing=0.15 --set 'grid.counts=[14,4,2]' --set 'grid.origin=[-0.975,-0.225,-0.075]')
 seed "$ball" "${stored[@]}" --set model.parameters.stored=true | expand --complete --cost cost -o ball.grid
@@ -31,48 +32,46 @@ run 0 play.1 play ball.grid --device path:path --rate 2000 --report - --frames f
 run 0 play.2 play ball.grid --device path:path --traversal model --report -
 run 0 stats-session.1 stats --log a.session --format json
 
-python3 - "$HAPGRID_SOURCE/tools/man" <<'PYTHON'
+/usr/bin/python3 - "$HAPGRID_SOURCE/schemas" <<'PYTHON'
 import glob
 import json
-import re
 import sys
 
-PAGES = {"verify": "verify|THE REPORT AS JSON", "check-model": "check-model|THE REPORT AS JSON",
-         "stats-grid": "stats|THE REPORT ON A GRID AS JSON", "stats-session": "stats|THE REPORT ON A SESSION AS JSON",
-         "play": "play|THE REPORT AS JSON"}
+import jsonschema
+
+# unit/check/passive_test.cpp has a grid of the first kind, and cli/play/process an adapter.
+RARE = {"checks[].not_proved", "answers", "answers.p90_us", "answers.delay_ticks", "answers.declared_ticks"}
 
 
-def paths(value, at=""):
-    if isinstance(value, dict) and value:
-        return set().union(*(paths(v, f"{at}.{k}" if at else k) for k, v in value.items()))
-    if isinstance(value, list) and value:
-        return set().union(*(paths(v, at + "[]") for v in value))
+def listed(schema, whole, at=""):
+    """The keys of a schema, as in "checks[].name"."""
+    if "$ref" in schema:
+        schema = whole["$defs"][schema["$ref"].split("/")[-1]]
+    if "items" in schema:
+        return listed(schema["items"], whole, at + "[]")
+    return {at} - {""} | {key for name, inner in schema.get("properties", {}).items()
+                          for key in listed(inner, whole, f"{at}.{name}" if at else name)}
+
+
+def written(value, at=""):
+    if isinstance(value, dict):
+        return {at}.union(*(written(inner, f"{at}.{key}" if at else key) for key, inner in value.items()))
+    if isinstance(value, list):
+        return {at}.union(*(written(inner, at + "[]") for inner in value))
     return {at}
 
 
-# unit/check/passive_test.cpp has a grid of the first kind, and cli/play/process an adapter.
-RARE = {"checks[].not_proved", "answers.p90_us", "answers.delay_ticks", "answers.declared_ticks"}
-
 bad = []
-for what, where in PAGES.items():
-    page, section = where.split("|")
-    text = open(f"{sys.argv[1]}/{page}.h2m").read().replace("\\-", "-")
-    table = text.split(f"[{section}]\n")[1].split(".nf\n")[1].split("\n.fi")[0]
-    listed = {line.split()[0] for line in table.splitlines()}
-    wild = {key: re.compile(re.sub("NAME|KEY", ".+", re.escape(key))) for key in listed}
-    written, files = set(), glob.glob(what + ".[0-9]")
-    assert files, what
-    for name in files:
-        report = json.load(open(name))
-        assert report["version"] == 1, name
-        written |= paths(report)
-    used = set()
-    for key in written:
-        found = {k for k, expression in wild.items() if expression.fullmatch(key)}
-        used |= found
-        # What is null or empty here can be an object or a list elsewhere.
-        if not found and not any(k.startswith((key + ".", key + "[")) for k in listed):
-            bad.append(f"{what} writes {key}, which hapgrid-{page}(1) does not list")
-    bad += [f"hapgrid-{page}(1) lists {key}, which no {what} writes" for key in listed - used - RARE]
+names = sorted(glob.glob(sys.argv[1] + "/*.schema.json"))
+assert len(names) == 5, names
+for name in names:
+    schema, what = json.load(open(name)), name.split("/")[-1].removesuffix(".schema.json")
+    jsonschema.Draft202012Validator.check_schema(schema)
+    found, reports = set(), glob.glob(what + ".[0-9]")
+    assert reports, what
+    for report in map(lambda file: json.load(open(file)), reports):
+        bad += [f"{what}: {error.json_path}: {error.message}" for error in jsonschema.Draft202012Validator(schema).iter_errors(report)]
+        found |= written(report)
+    bad += [f"{name} lists {key}, which no {what} writes" for key in listed(schema, schema) - found - RARE]
 sys.exit("\n".join(sorted(bad)) or 0)
 PYTHON
