@@ -73,7 +73,7 @@ assert look("stats", "grid", "--get", "tolerance_unit")[1] == "r??\n"
 open("path", "w").write("1 1 1\n")
 for options in (["grid", "--device", "path:" + short], ["grid", "--device", "hid:" + short],
                 [short, "--device", "path:path"], ["grid", "--device", "path:path", "--config", short],
-                ["grid", "--device", short], ["--set", short + "=1", "grid"]):
+                ["grid", "--device", short]):
     code, out, err = look("play", *options)
     assert code in (1, 2) and "?" in err, (options, code, err)
 code, out, err = look("play", "grid", "--device", "path:path", "--frames", "frames", "--log", "a.session",

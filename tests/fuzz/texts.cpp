@@ -8,9 +8,9 @@
 #include "libcore/device/path.hpp"
 #include "libcore/model/definition.hpp"
 #include "libcore/session/recording.hpp"
+#include "tests/bench/simulation.hpp"
 #include "tests/fuzz/fuzz.hpp"
 #include "tools/devices/profile.hpp"
-#include "tests/bench/simulation.hpp"
 #include "tools/stats/statistics.hpp"
 
 using namespace hapgrid;

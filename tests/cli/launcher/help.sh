@@ -10,7 +10,7 @@ rounds() { hapgrid rounds "$@"; }
 for tool in "${tools[@]}"; do
   lines=85 page=hapgrid-$tool
   [[ $tool != play ]] || lines=130
-  [[ $tool != molecule ]] || lines=95
+  [[ $tool != molecule ]] || lines=110
   [[ $tool != hapgrid ]] || page=hapgrid
   "$tool" --help >help
   (($(wc -L <help) <= 80)) || fail "$tool --help is $(wc -L <help) columns wide"

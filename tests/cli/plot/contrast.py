@@ -58,4 +58,4 @@ texts = {key for key in data if key.endswith("_colour")} - {"hand_colour"} | {"i
 check(page, [data[key] for key in texts], TEXT)
 box = "rgb({} {} {})".format(*(255 * x for x in data["light"]["box_rgb"]))
 check(page, [data["hand_colour"], box], LINE)
-assert len(texts) == 5 and len(set(seen)) == len(plots) + 5, (texts, set(seen))
+assert len(texts) == 4 and len(set(seen)) == len(plots) + 5, (texts, set(seen))

@@ -258,13 +258,15 @@ def reduced(t: Any, y: Any) -> tuple[Any, Any]:
 
 def _force_panel(axes: Any, play: Play, t: Any) -> None:
     every = []
+    styles = {kind: style for kind, style in (("force", DOTTED), ("sent", "-")) if kind in play.ticks.dtype.names}  # frames have one
     for a, name in enumerate(AXES):
-        sent, force = play.column(f"sent_{name}"), play.column(f"force_{name}")
-        axes.plot(*reduced(t, force), color=COLOURS[a], linewidth=1.2, linestyle=DOTTED)
-        axes.plot(*reduced(t, sent), color=COLOURS[a], label=name)
-        every += [sent, force]
-    for style, word in (("-", "as sent"), (DOTTED, "of the model")):
-        axes.plot([], [], color=GREY, linestyle=style, linewidth=1.2, label=word)
+        for kind, style in styles.items():
+            every.append(play.column(f"{kind}_{name}"))
+            axes.plot(*reduced(t, every[-1]), color=COLOURS[a], linestyle=style, label=name if kind == "sent" else None,
+                      linewidth=None if kind == "sent" else 1.2)
+    for kind, word in (("sent", "as sent"), ("force", "of the model")):
+        if kind in styles:
+            axes.plot([], [], color=GREY, linestyle=styles[kind], linewidth=1.2, label=word)
     _limits_of(axes, every)
     axes.set_ylabel(label("force", "N"))
 

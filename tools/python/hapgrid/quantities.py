@@ -53,9 +53,9 @@ class Play:
         kind, _, rest = name.rpartition("_")
         if name in AXES and name:
             return self.ticks["hip"][:, AXES.index(name)]
-        if kind in ("force", "sent") and rest in AXES:
+        if kind in ("force", "sent") and kind in fields and rest in AXES:
             return self.ticks[kind][:, AXES.index(rest)]
-        if name in ("force", "sent"):
+        if name in ("force", "sent") and name in fields:
             return numpy.linalg.norm(self.ticks[name], axis=1)
         if name[:1] in ("s", "l") and name[1:].isdigit():
             field = "state" if name[0] == "s" else "levels"
@@ -69,8 +69,10 @@ class Play:
     def names(self) -> list[str]:
         fields = self.ticks.dtype
         states = fields["state"].shape[0] if "state" in fields.names else 0
+        vectors = [kind for kind in ("force", "sent") if kind in fields.names]
         several = [f"s0 ... s{states - 1}" if states > 1 else "s0"][:states]
-        return ["t", "x", "y", "z", *(f"{kind}{axis}" for kind in ("force", "sent") for axis in ("", "_x", "_y", "_z")), "l0 ... l7",
+        return ["t", "x", "y", "z", *(f"{kind}{axis}" for kind in vectors for axis in ("", "_x", "_y", "_z")),
+                *(["l0 ... l7"] if "levels" in fields.names else []),
                 *several, *(name for name in fields.names if name != "t" and fields[name].shape == ())]
 
     def snaps(self) -> Any:
