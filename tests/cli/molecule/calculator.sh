@@ -20,6 +20,6 @@ paste <(rises mmff) <(rises mmff32) | awk -F'\t' 'NR > 1 && ($1 != $4 || ($3 - $
 expect 2 '' '~molecule: --calculator no: is not MODULE:CALLABLE.*' -- hapgrid molecule --smiles C --calculator no -o bad
 refuses 'molecule: --calculator none:f: ModuleNotFoundError: .*' -- hapgrid molecule --smiles CC --calculator none:f -o bad --quiet
 refuses 'molecule: --calculator: has no keyword for -1 charge: give a file with calculator\(charge, uhf\)' -- \
-  hapgrid molecule --smiles 'CC[O-]' --calculator 'ase.calculators.emt:EMT()' -o bad --quiet
+  hapgrid molecule --smiles 'CC[O-]' --calculator 'ase.calculators.emt:EMT()' -o charged --quiet
 expect 2 '' 'molecule: --calculator: --method and --solvent are of xtb (see --help)' -- \
   hapgrid molecule --smiles C --calculator ase.calculators.emt:EMT --method gfn2 -o bad

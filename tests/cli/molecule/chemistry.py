@@ -124,7 +124,7 @@ assert short @ slopes + curvatures @ short**2 / 2 < (others @ slopes + others**2
 # A rotor turns freely on a surface that is flat, and does not where the energy only climbs.
 class Bond:
     """Hydrogen peroxide, held by springs. rise(turn): the energy of its torsion from x on, and the slope of that."""
-    masses, renewal = np.ones(4), 3
+    masses, renewal, noise = np.ones(4), 3, (0.0, 0.0)
 
     def __init__(self, x, rise):
         self.x, self.rise, self.start = x, rise, geometry.torsion(x, 0, 1, 2, 3)
