@@ -161,7 +161,8 @@ LoopSummary drive(Device& device, Mapping& mapping, Traversal& traversal, Safety
   const Realtime realtime(loop.paced() ? wanted : RealtimeMode::kOff, &device);
   facts.realtime = realtime.got();
   if (loop.paced())
-    say("play", format("{} at {:g} Hz; real time: {}", facts.device, loop.rate_hz, facts.realtime));
+    say("play", format("{} at {:g} Hz; real time: {}{}", facts.device, loop.rate_hz, facts.realtime,
+                       ::isatty(STDERR_FILENO) ? ". Ctrl-C ends it, with zero force" : ""));
   return run_loop(device, mapping, traversal, safety, force, use, caught_signal, heartbeat, loop);
 }
 
@@ -250,6 +251,8 @@ int play(const PlayOptions& options) {
         format("{}: its adapter has no --release: if it crashes, only the device itself can "
                "take the force away",
                device.info().name));
+  if (settings.safety.max_force == 0)
+    say("play", "nothing will be felt: max-force is 0. The file of a bring-up says why it is");
   settings.safety.max_force = std::min(settings.safety.max_force, device.info().max_force);
   const LoopOptions loop = pace(options, open, settings.spin_us);
   const double rate_hz = loop.tick_rate_hz();

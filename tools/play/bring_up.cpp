@@ -28,7 +28,8 @@ constexpr double kRiseSeconds = 1;     // from zero to kForce
 constexpr double kRestSeconds = 1;     // in which noise and rate are measured
 constexpr double kAnswerSeconds = 20;  // for which a device pushes at most
 constexpr std::uint64_t kShakes = 6;   // repetitions of the pattern; the first settles
-constexpr double kLeastMove = 5e-3, kLeastPart = 0.3;  // metres; part of full deflection
+constexpr double kLeastMove = 15e-3, kLeastPart = 0.3;  // metres; part of full deflection
+constexpr double kMostTremor = 3e-3;                    // metres; a hand at rest has 0.3 mm
 constexpr int kAttempts = 3;
 constexpr std::array kWays{"to the right", "away from you", "up"};
 // The letters of the directions, of their opposites, and of no motion.
@@ -58,15 +59,23 @@ class BringUp {
     else if (agreed())
       try_forces();
     std::fputs(table().c_str(), stdout);
+    say("play",
+        "done. The table on standard output is for play GRID --device ... --config FILE, if FILE "
+        "has it");
   }
 
  private:
   bool has(int axis) const { return info_.low[axis] != info_.high[axis]; }
 
   void rest() {
-    handle_.ask("Hold the handle still in the middle of its reach, and press Enter.");
-    const std::vector<Vec3> still = handle_.record(kRestSeconds);
-    noise_ = noise_of(still);
+    std::string why;
+    for (int attempt = 0; attempt < kAttempts; ++attempt) {
+      handle_.ask(why + "Hold the handle still in the middle of its reach, and press Enter.");
+      noise_ = noise_of(handle_.record(kRestSeconds));
+      if (steers_ || noise_ < kMostTremor) break;
+      why = format("It moved by {} mm in {} s. ", rounded(1000 * noise_), rounded(kRestSeconds));
+    }
+    if (!steers_ && noise_ >= kMostTremor) throw Error("bring-up: the handle is not at rest");
     say("play", format("at rest: {} answers/s, {}", rounded(handle_.answers_hz()),
                        steers_ ? std::string("a deflection")
                                : format("noise and tremor of {} mm", rounded(1000 * noise_))));
@@ -78,7 +87,8 @@ class BringUp {
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
       const Vec3 from = steers_ ? Vec3{0, 0, 0} : handle_.place();
       const std::vector<Vec3> way =
-          handle_.ask(format("{}Move it {}{}, hold it there, and press Enter.", why,
+          handle_.ask(format("{}{} {}{}, hold it there, and press Enter.", why,
+                             steers_ || direction == 0 ? "Move it" : "From there, move it",
                              kWays[direction], steers_ ? "" : " by 2 cm or more"));
       if (!steers_) step_ = std::max(step_, encoder_step(way));
       const Vec3 moved = handle_.place() - from;
@@ -97,7 +107,10 @@ class BringUp {
             : is_new ? "It moved along two of its axes. "
                      : format("Only its {} moved, as before. ", "xyz"[axis]);
     }
-    throw Error(format("bring-up: no axis of the device follows a motion {}", kWays[direction]));
+    throw Error(
+        format("bring-up: {} times no axis of the device followed a motion {} alone: begin again, "
+               "in case an earlier motion went another way than it was asked for",
+               kAttempts, kWays[direction]));
   }
 
   bool agreed() {
@@ -106,6 +119,7 @@ class BringUp {
                "axis after the other? Type yes, or only Enter for no.",
                rounded(kForce)));
     tried_ = handle_.answer() == "yes";
+    if (!tried_) say("play", "no force is tried, so the table allows none");
     return tried_;
   }
 
@@ -140,9 +154,9 @@ class BringUp {
   double push(int axis) {
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
       handle_.tell(
-          "It pushes now. Which way? r(ight), l(eft), a(way), t(owards you), u(p), d(own), or n "
-          "for "
-          "nothing; then Enter.");
+          format("It pushes now, for {} s at most. Which way? r(ight), l(eft), a(way), t(owards "
+                 "you), u(p), d(own), or n for nothing; then Enter.",
+                 rounded(kAnswerSeconds)));
       Vec3 force{0, 0, 0};
       const double ticks = kRiseSeconds * handle_.rate_hz();
       const double most = kAnswerSeconds * handle_.rate_hz();
@@ -163,7 +177,10 @@ class BringUp {
               format("bring-up: a force along its {} pushes along another axis: correct the "
                      "axes of the adapter or its profile",
                      "xyz"[axis]));
-        return (letter == kAhead[direction] ? 1 : -1) * way->sign;
+        const double sign = (letter == kAhead[direction] ? 1 : -1) * way->sign;
+        say("play", format("along its {} it pushes {}", "xyz"[axis],
+                           sign > 0 ? "the way it moves" : "against the way it moves"));
+        return sign;
       }
     }
     throw Error("bring-up: nobody says which way the device pushes");
@@ -187,6 +204,7 @@ class BringUp {
 
   /// What keeps the forces of a play away until somebody has looked at it; empty: nothing.
   std::string fault() const {
+    if (!tried_) return "no force was tried: bring it up again, and allow one";
     std::string wrong, missing;
     for (int axis = 0; axis < 3; ++axis) {
       if (push_[axis] < 0) wrong += "xyz"[axis];
@@ -195,8 +213,11 @@ class BringUp {
     if (!missing.empty()) return format("no force was felt along {}: is it switched on?", missing);
     if (wrong.empty()) return "";
     return format(
-        "it pushes the wrong way along {}: correct the adapter, or put mapping.push = "
-        "[{:g},{:g},{:g}] in place of max-force",
+        "it pushes the wrong way along {}, or you moved it the other way than it was asked for: "
+        "bring it up "
+        "again. If it says the same, correct the adapter, or put mapping.push = [{:g},{:g},{:g}] "
+        "in place of "
+        "max-force",
         wrong, push_[0], push_[1], push_[2]);
   }
 
@@ -209,11 +230,10 @@ class BringUp {
                               printable_line(option_, option_.npos), axes_text());
     if (steers_ || info_.max_force == 0) return text;
     if (const std::string why = fault(); !why.empty()) {
-      say("play", why);
+      if (tried_) say("play", why);
       text += format("max-force = 0  # {}\n", why);
     } else {
-      text += format("max-force = {}{}\n", to_text(most_force()),
-                     tried_ ? "" : "  # no force was tried");
+      text += format("max-force = {}\n", to_text(most_force()));
     }
     text += format("[play.safety]\nencoder = {:g}  # m; {} mm of noise and tremor at rest\n",
                    std::max(usual.encoder, round_up(step_)), rounded(1000 * noise_));

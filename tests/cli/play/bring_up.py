@@ -81,6 +81,7 @@ class Person:
     def goes_on(self, deadline):
         if time.monotonic() > deadline or not self.listen() or self.play.poll() is not None:
             open(sys.argv[2], "a").write(self.said)
+            self.play.kill()
             raise AssertionError((self.name, self.said, self.play.wait(), self.feels()))
 
     def hear(self, words):
@@ -100,11 +101,11 @@ class Person:
     def type(self, text):
         os.write(self.terminal, text.encode() + b"\n")
 
-    def move(self):
+    def move(self, allows="yes"):
         self.hear("Hold the handle still")
         self.type("")
         goal = [0.0] * 3
-        for axis, words in enumerate(("to the right", "away from you", "Move it up")):
+        for axis, words in enumerate(("to the right", "away from you", "move it up")):
             self.hear(words)
             goal[axis] = 0.03
             self.both[:24] = struct.pack("<3d", *goal)
@@ -113,7 +114,7 @@ class Person:
         self.hear("May it push")
         self.both[:24] = bytes(24)
         self.until(lambda *now: max(map(abs, now[:3])) < 1e-3)
-        self.type("yes")
+        self.type(allows)
 
     def push(self):
         self.hear("It pushes now")
@@ -168,8 +169,13 @@ open(sys.argv[2], "w").close()
 # It pushes the wrong way along one axis.
 _, said, table = whole("wrong", ((0, 1, 1), (1, 1, -1), (2, 1, 1)))
 print(table)
-assert 'axes = "x,y,z"\nmax-force = 0  # it pushes the wrong way along y: correct the adapter, or put mapping.push = [1,-1,1] in place of max-force' in table, table
+assert re.search(r'axes = "x,y,z"\nmax-force = 0  # it pushes the wrong way along y, or .* mapping\.push = \[1,-1,1\] in place of max-force', table), table
 assert "delay = 0 " in table, table
+
+# Who allows no force gets none.
+person = Person("untried", TURNED)
+person.move("")
+assert "max-force = 0  # no force was tried" in person.end()[2]
 
 # Every way out, with a force on the hand.
 for name, leave, code in (("killed", lambda p: p.play.kill(), -signal.SIGKILL), ("ended", lambda p: p.play.terminate(), 143),
