@@ -58,18 +58,19 @@ elif kind == "other":
 print("\n".join(line for frame in frames for line in frame))
 END
 profile() { sed -n 's/.*dE=\([^ ]*\) .*/\1/p' "$1/$2.xyz" | sort -n; }
+# mends KIND SAID MOLECULE FOLDER: FOLDER has the same path from frames that are as they should be.
 mends() {
-  /usr/bin/python3 -c "$shuffle" "$paths/cyclohexane.xyz" "$1" >"$1.xyz"
+  /usr/bin/python3 -c "$shuffle" "$paths/$3.xyz" "$1" >"$1.xyz"
   hapgrid molecule "$1.xyz" --path -o "$1" --until definition >line 2>said || fail "$1: $(cat said)"
   grep -q "$2" said || fail "$1: $(cat said)"
-  same "the profile of $1" "$(profile plain plain)" "$(profile "$1" "$1")"
+  same "the profile of $1" "$(profile "$4" "$4")" "$(profile "$1" "$1")"
 }
-mends plain 'paths of 37 frames'
-mends order 'the frames are out of order: taken as '
-mends doubled 'frames 6, 7: there already, left out'
-mends mirrored 'frame 7: a mirror image of its neighbours, turned back'
-mends numbered 'frame 7: its atoms are numbered otherwise: put right'
-mends ev 'paths of 37 frames'
+mends plain 'paths of 37 frames' cyclohexane plain
+mends mirrored 'frame 7: a mirror image of its neighbours, turned back' cyclohexane plain
+mends order 'the frames are out of order: taken as ' malonaldehyde malonaldehyde
+mends doubled 'frames 6, 7: there already, left out' malonaldehyde malonaldehyde
+mends numbered 'frame 7: its atoms are numbered otherwise: put right' malonaldehyde malonaldehyde
+mends ev 'paths of 19 frames' malonaldehyde malonaldehyde
 
 bad() {
   /usr/bin/python3 -c "$shuffle" "$paths/sn2.xyz" "$1" >"$1.xyz"
