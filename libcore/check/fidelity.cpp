@@ -160,7 +160,11 @@ Check check_fidelity(const Grid& grid, std::span<const RecordIndex> records,
                      const MakeModel& make_model, int threads,
                      std::atomic<std::uint64_t>& records_done) {
   Check check{
-      "fidelity", "conversions", "links to a state that C, evaluated again, does not reach", {}};
+      "fidelity",
+      "conversions",
+      "links to a state that C, evaluated again, does not reach: if the model was changed since, "
+      "give it another version and search again",
+      {}};
   check.found = for_each_record(grid, records, make_model, threads, records_done, recompute);
   return check;
 }

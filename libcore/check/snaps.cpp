@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <ranges>
 #include <string>
 #include <utility>
 
@@ -36,9 +37,9 @@ bool are_few(const Findings& found) {
 using Link = std::pair<RecordIndex, int>;  ///< a record and a direction
 
 /// @param is_wanted says of a link whether it is one
-template <class IsWanted>
-std::vector<Link> links_of(const Grid& grid, std::span<const RecordIndex> records,
-                           const IsWanted& is_wanted, bool one_each) {
+template <class Records, class IsWanted>
+std::vector<Link> links_of(const Grid& grid, const Records& records, const IsWanted& is_wanted,
+                           bool one_each) {
   std::vector<Link> links;
   for (const RecordIndex r : records)
     for (int k = 0; k < kDirections; ++k) {
@@ -122,7 +123,10 @@ Check check_snaps(const Grid& grid, std::span<const RecordIndex> records,
                   const MakeModel& make_model, int threads) {
   const auto one_way = [&](RecordIndex r, int q) { return grid.is_one_way(r, q); };
   const auto two_way = [&](RecordIndex r, int q) { return grid.two_way(r, q) != Grid::kNoRecord; };
-  const std::vector<Link> snaps = thinned(links_of(grid, records, one_way, false), kMostLinks);
+  // Snaps are rare, so they are sampled for themselves: a few records would have none.
+  const std::vector<Link> snaps =
+      thinned(links_of(grid, std::views::iota(RecordIndex{0}, grid.records()), one_way, false),
+              std::min(kMostLinks, 2 * records.size()));
   const std::vector<Link> others = links_of(grid, records, two_way, true);
   std::vector<std::string> elsewhere(snaps.size());
   std::vector<double> distances(others.size(), -1);

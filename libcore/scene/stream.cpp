@@ -281,7 +281,7 @@ bool SceneReader::read_words(std::uint64_t limit) {
   words_.resize(1);
   if (!read(reinterpret_cast<std::byte*>(words_.data()), sizeof words_[0])) return false;
   const auto more = static_cast<std::uint32_t>(words_[0]);
-  if (more >= kMaxSegments) fail("not a stream of frames, or damaged");
+  if (more >= kMaxSegments) fail("neither a grid nor a stream of frames, or damaged");
   const std::size_t table = (more + 3) / 2;
   words_.resize(table);
   if (table > 1) rest(words_.data() + 1, table - 1);

@@ -36,9 +36,9 @@ inline constexpr std::array<Row, 13> kRows{{
     {"finite", "calls", "force or shape that is not finite"},
     {"sane", "parameters", "what the model itself says against its parameters"},
     {"halves", "conversions",
-     "a step in two halves ends in another state: that is right near a tear-off", true},
+     "steps in two halves that end in another state: that is right near a tear-off", true},
     {"returns", "conversions",
-     "a step there and back ends in another state: levels are there for such hysteresis", true},
+     "steps there and back that end in another state: levels are there for such hysteresis", true},
     {"snaps", "steps", ""},
 }};
 

@@ -87,6 +87,8 @@ void print_summary(const LoopSummary& s, const RunFacts& facts) {
       s.edge_switches, s.vertex_switches,
       facts.traversal == "branch" ? "the state snapped" : "levels changed", s.level_changed,
       s.outside, s.split, s.lagging);
+  if (s.outside == s.ticks && s.ticks > 0)
+    text += "play: the whole way was outside of the grid's box: nothing was felt\n";
   std::string acted;
   for (std::size_t i = 0; i < kSafetyActions; ++i)
     if (s.acted[i] > 0)

@@ -39,6 +39,9 @@ atom() { printf 'ATOM  %5d  %-3s UNL A   1    %8.3f%8.3f%8.3f  1.00  0.00    %+6
 { echo ROOT; atom 1 C1 0 0 0 -0.08 C 2 H1 0.629 0.629 0.629 0.04 HD 3 H2 -0.629 -0.629 0.629 0.04 HD; echo ENDROOT; echo TORSDOF 0; } >wrong.pdbqt
 says 'wrong.pdbqt: 2 hydrogens on carbon have the type HD' "$host" wrong.pdbqt "${near[@]}"
 
+obabel -:'C[NH3+]' --gen3d -O ion.pdb >/dev/null 2>&1
+refused 'ion\.pdb: its atoms say that it has a charge of \+1, and Open Babel gives them \+0\.00: give a file with charges, .*' "$host" ion.pdb
+
 sed 's/ HD$/ G0/' ligand.pdbqt >glue.pdbqt
 refused "glue.pdbqt: atoms of the type G0 are Meeko's, .*--rigid_macrocycles" "$host" glue.pdbqt
 sed 's/ HD$/ Cu/' ligand.pdbqt >metal.pdbqt

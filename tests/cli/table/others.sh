@@ -77,6 +77,9 @@ same 'unit' '' "$(unit density.cube)"
 sed '1s/.*/a field/; 2s/.*/of numbers/' good.cub >untitled.cube
 takes untitled.cube 'its title does not say what its values are: are they energies in hartree\? .*'
 same 'unit' '' "$(unit untitled.cube)"
+sed '2s/.*/in kJ\/mol/' good.cub >named.cube
+takes named.cube reading
+same 'unit' kJ/mol "$(unit named.cube)"
 takes orbitals.cube 'orbital 13 of 12, 13' --array 13
 takes fortran.cube reading
 takes field.mrc 'densities, no energies'

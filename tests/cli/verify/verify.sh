@@ -126,7 +126,7 @@ table=${table%$'\n'passive*} table=${table/gradient*steep/steep}
 changed=${table/'256 conversions              0  ok'/'256 conversions            106  broken'}
 expect 3 "$changed
 
-fidelity: links to a state that C, evaluated again, does not reach
+fidelity: links to a state that C, evaluated again, does not reach: if the model was changed since, give it another version and search again
   point 0 (0, 0, 0) level 0 direction 21 (0, 0, 1): C gives 0.25, stored at level 0 is 0
   point 0 (0, 0, 0) level 0 direction 22 (1, 0, 1): C gives 0.25, stored at level 0 is 0
   point 0 (0, 0, 0) level 0 direction 24 (0, 1, 1): C gives 0.25, stored at level 0 is 0

@@ -89,15 +89,23 @@ void Field::find_steepest() {
 void Field::find_minima(const std::vector<double>& values) {
   const auto& n = lattice_.counts;
   std::vector<std::pair<double, Vector>> found;
-  const std::size_t row = n[0], plane = n[0] * n[1];
+  const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(n[0]),
+                       plane = row * static_cast<std::ptrdiff_t>(n[1]);
+  // Of neighbours with the same value the first one counts.
+  std::vector<std::ptrdiff_t> before;
+  for (std::ptrdiff_t z = -1; z <= 0; ++z)
+    for (std::ptrdiff_t y = -1; y <= 1; ++y)
+      for (std::ptrdiff_t x = -1; x <= 1; ++x)
+        if (const std::ptrdiff_t step = x + row * y + plane * z;
+            z < 0 || y < 0 || (y == 0 && x < 0))
+          before.push_back(step);
   for (std::size_t k = 1; k + 1 < n[2]; ++k)
     for (std::size_t j = 1; j + 1 < n[1]; ++j)
       for (std::size_t i = 1; i + 1 < n[0]; ++i) {
-        const double* v = &values[i + row * j + plane * k];
-        bool lower = true;
-        for (const std::size_t step : {std::size_t{1}, row, plane})
-          lower = lower && *v < *(v - step) && *v < *(v + step);
-        if (lower) found.emplace_back(*v, lattice_.place({i, j, k}));
+        const double* v = &values[i + n[0] * j + n[0] * n[1] * k];
+        if (std::all_of(before.begin(), before.end(),
+                        [v](std::ptrdiff_t step) { return *v < v[step] && *v <= v[-step]; }))
+          found.emplace_back(*v, lattice_.place({i, j, k}));
       }
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });

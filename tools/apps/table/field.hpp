@@ -33,7 +33,8 @@ class Field {
   /// The largest length of the gradient at a point of the lattice.
   double steepest() const { return steepest_; }
 
-  /// The lowest points of the lattice that have no lower neighbour, the lowest first.
+  /// The lowest points of the lattice that have no lower one among their 26 neighbours, the lowest
+  /// first.
   const std::vector<Vector>& minima() const { return minima_; }
 
  private:

@@ -39,6 +39,7 @@ def pdbqt(work: Work, given: str, name: str, most: int) -> Atoms:
     if kind in (".pdb", ".ent", ".pqr") or kind == ".pdbqt" and name == "host":
         text = prepare.without_others(text, given, work.say, has_alternates=kind != ".pqr")
         data = text.encode()
+    formal = _formal_charge(text) if kind in (".pdb", ".ent") else 0
     if kind != ".pdbqt":
         lines = text.splitlines()
         counted = sum(line.startswith(("ATOM", "HETATM")) for line in lines) or len(lines) - MOST_REMARKS
@@ -60,10 +61,23 @@ def pdbqt(work: Work, given: str, name: str, most: int) -> Atoms:
         raise Failed(f"{given}: all atoms lie at one place: it has no coordinates, `obabel --gen3d` makes some")
     if len(found) > 1 and all(charge == 0 for _, _, charge in found):
         raise Failed(f"{given}: no atom has a charge")
+    total = sum(charge for _, _, charge in found)
+    if formal and abs(total - formal) > 0.3:
+        said = (f"{given}: its atoms say that it has a charge of {formal:+d}, and Open Babel gives them {total:+.2f}: give a file "
+                "with charges, .mol2, .pqr or .pdbqt")
+        if name == "ligand":
+            raise Failed(said)
+        work.say("  " + said)
     if name == "ligand" and kind not in (".pdbqt", ".pqr"):
         _remark_on_missing(work, given, data, kind)
     prepare.remark_on_hydrogens(found, given, work.say)
     return found
+
+
+def _formal_charge(text: str) -> int:
+    """Of the atoms of a PDB file that say one: "1+" or "2-" behind the element."""
+    signs = [line[78:80] for line in text.splitlines() if line.startswith(("ATOM", "HETATM"))]
+    return sum(int(one[0]) * (1 if one[1] == "+" else -1) for one in signs if len(one) == 2 and one[0].isdecimal() and one[1] in "+-")
 
 
 def _remark_on_missing(work: Work, given: str, data: bytes, kind: str) -> None:

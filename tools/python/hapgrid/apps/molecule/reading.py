@@ -187,6 +187,8 @@ def _completed(given: Input, record: Record, charge: int | None, unpaired: int |
 def _closed(given: Input, mol: Chem.Mol, nowhere: bool, charge: int | None, unpaired: int | None) -> Chem.Mol:
     """The molecule with bonds, charges and numbers of hydrogens that fit each other. nowhere: whether it has no coordinates."""
     what, total, finds = given.what, Chem.GetFormalCharge(mol), given.kind in ("pdb", "mol2") and not nowhere
+    if finds:  # what follows takes long where dozens of atoms lie at one place
+        _refuse_one_place(places_of(mol), what)
     if given.kind == "xyz" and unpaired is None and charge is None:
         _refuse_without_hydrogen(mol, what)
     filled = valences.hydrogens_set(mol, Chem.Atom.GetTotalNumHs)  # as RDKit counts them
@@ -247,6 +249,10 @@ def _check(x: Array, what: str) -> None:
     check_count(len(x), what)
     if not np.isfinite(x).all():
         raise BadInput(f"{what}: a coordinate is not a finite number")
+    _refuse_one_place(x, what)
+
+
+def _refuse_one_place(x: Array, what: str) -> None:
     distance = np.linalg.norm(x[:, None] - x[None], axis=2) + 9 * np.eye(len(x))
     a, b = divmod(int(distance.argmin()), len(x))
     if distance[a, b] < LEAST_DISTANCE:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from argparse import Namespace
 from collections.abc import Sequence
 
@@ -38,6 +39,10 @@ examples:
 """
 
 
+def wall(text: str) -> float:
+    return math.inf if text == "none" else number(-1e30, 1e30)(text)
+
+
 def unit(text: str) -> str:
     if len(text.encode()) > 15 or not text.isprintable() or '"' in text or "\\" in text:
         raise argparse.ArgumentTypeError("a unit has at most 15 bytes, no quotes and no backslash")
@@ -61,8 +66,8 @@ def parser() -> Parser:
     p.add_output("threads")
     p.add_argument("--force", type=number(0.01, 100), metavar="N", default=3.0,
                    help="force on the device where the energy is steepest, in newtons (default: 3)")
-    p.add_argument("--wall", type=number(-1e30, 1e30), metavar="E",
-                   help="energy of the wall where values are higher or missing, in the table's unit, after --factor")
+    p.add_argument("--wall", type=wall, metavar="E",
+                   help="energy of the wall where values are higher or missing, in the table's unit, after --factor; none: no wall")
     p.add_argument("--factor", type=number(-1e30, 1e30), metavar="F", default=1.0,
                    help="number by which all values are multiplied, as a charge (default: 1)")
     p.add_argument("--spacing", type=number(1e-9, 1e9), metavar="H",

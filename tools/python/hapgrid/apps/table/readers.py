@@ -210,6 +210,7 @@ def read_dx(text: str) -> Table:
 
 # What a title calls values that are energies of a charge, and others.
 _ENERGIES = re.compile(r"potential|electrostatic|\besp\b|energy|hartree", re.IGNORECASE)
+_UNITS = re.compile(r"\b(kj/mol|kcal/mol|ev|hartree)\b", re.IGNORECASE)
 _OTHERS = re.compile(r"densit|\bdens\b|\brho\b|\bdt\b|orbital|wave ?function|\bpsi|\bmo\b|homo|lumo|spin|\belf\b|\brdg\b|laplac|"
                      r"gradient|\bldos\b|\bstm\b|e/(a0|bohr|ang)", re.IGNORECASE)
 _NO_CELL = 1.2  # angstrom: steps that are longer may be a whole box
@@ -307,6 +308,9 @@ def _refuse_whole_box(origin: Array, axes: Array, counts: list[int], atoms: list
 
 def _cube_energy(title: str, is_orbital: bool, values: Array, notes: list[str]) -> str:
     """The unit, as far as one may say so: that of an electrostatic potential, for a charge of 1."""
+    named = _UNITS.search(title)
+    if not is_orbital and named:
+        return next(one for one in ("kJ/mol", "kcal/mol", "eV", "hartree") if one.lower() == named[0].lower())
     if not is_orbital and _ENERGIES.search(title):
         return "hartree"
     if is_orbital or _OTHERS.search(title):

@@ -56,20 +56,24 @@ def table_text(table: Table) -> str:
     return "".join(lines)
 
 
-def wall_of(o: Namespace, table: Table) -> tuple[float | None, int]:
-    """The energy of the wall, or None when none is needed; and how many values become one."""
+def wall_of(o: Namespace, table: Table) -> tuple[float | None, int, int]:
+    """The energy of the wall, or None when none is needed; how many values are missing, and how many are higher."""
     values = table.values[~np.isnan(table.values)] * o.factor
     missing = table.values.size - values.size
     wall = o.wall
+    if wall == math.inf:
+        if missing:
+            raise Failed(f"{o.file}: --wall none: {missing:,} values are missing, and only a wall can stand there")
+        return None, 0, 0
     if wall is None:
         low, median = float(values.min()), float(np.median(values))
         wall = low + 5 * (median - low) if median > low else float(values.max())
         if not missing and values.max() <= wall:
-            return None, 0
+            return None, 0, 0
         wall = float(f"{wall:.3g}") if float(f"{wall:.3g}") > low else wall
     if not wall > values.min():
         raise Failed(f"{o.file}: no value is below the wall, {wall:g}: the lowest is {values.min():g}")
-    return wall, missing + int((values > wall).sum())
+    return wall, missing, int((values > wall).sum())
 
 
 def box_of(table: Table, spacing: float | None) -> tuple[Array, float, list[int]]:
@@ -95,15 +99,16 @@ def box_of(table: Table, spacing: float | None) -> tuple[Array, float, list[int]
 
 
 def definition(o: Namespace, work: Work, name: str, table: Table) -> str:
-    wall, behind = wall_of(o, table)
+    wall, missing, higher = wall_of(o, table)
     low, h, counts = box_of(table, o.spacing)
     energy, length = table.energy_unit, table.length_unit
     work.say(f"  {' x '.join(map(str, table.values.shape))} values, {np.nanmin(table.values * o.factor):.4g} at the "
-             f"lowest; grid of {' x '.join(map(str, counts))} points, {h:g} "
-             f"{length} apart".rstrip())
+             f"lowest; grid of {' x '.join(map(str, counts))} points, {h:g}{' ' * bool(length)}{length} apart")
     if wall is not None:
-        work.say(f"  {behind:,} values ({100 * behind / table.values.size:.1f} %) are higher or missing: a wall of "
-                 f"{wall:g} {energy}".rstrip())
+        begin = (float(np.nanmin(table.values * o.factor)) + wall) / 2
+        bent = int((table.values * o.factor > begin).sum())
+        work.say(f"  a wall of {wall:g}{' ' * bool(energy)}{energy} for {missing:,} values that are missing and {higher:,} that are "
+                 f"higher, of {table.values.size:,}; the {bent:,} above {begin:.4g} bend towards it (--wall none: no wall)")
     wall_line = "" if wall is None else (
         f"wall = {wall:.10g}            # energy where values are higher or missing, {energy or 'in the unit of values'}\n")
     return f"""\

@@ -33,6 +33,8 @@ def convert(table: Table, path: str, unit: str | None, length_unit: str | None) 
         elif not given:
             table.notes.append(f"the file names no unit: its values are taken as {wanted}. --unit FROM:TO converts them")
         table.energy_unit = wanted
+    elif not table.energy_unit and not any("--unit" in note for note in table.notes):
+        table.notes.append("its values have no unit: --unit names it")
     if length_unit is not None:
         given = table.length_unit if table.has_unit else ""
         if given and given != length_unit:
