@@ -41,8 +41,8 @@ void judge_halves(Check& check, std::vector<double> apart, const GridSpec& spec)
 Figure exactness(std::vector<double> distances, const GridSpec& spec);
 
 /// `snaps`: walks one-way links of the grid in pieces, at most 256 of them and two for each of
-/// `records`, evenly chosen. Links that C does not follow are offenders of `fidelity`. Its figure is
-/// the distance of a state that C gives, evaluated again along one two-way link of each record,
+/// `records`, evenly chosen. Links that C does not follow are offenders of `fidelity`. Its figure
+/// is the distance of a state that C gives, evaluated again along one two-way link of each record,
 /// from the state that is stored there.
 /// @param make_model is called once for each thread, by the calling thread.
 Check check_snaps(const Grid& grid, std::span<const RecordIndex> records,
