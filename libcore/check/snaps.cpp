@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <memory>
-#include <ranges>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -37,9 +37,9 @@ bool are_few(const Findings& found) {
 using Link = std::pair<RecordIndex, int>;  ///< a record and a direction
 
 /// @param is_wanted says of a link whether it is one
-template <class Records, class IsWanted>
-std::vector<Link> links_of(const Grid& grid, const Records& records, const IsWanted& is_wanted,
-                           bool one_each) {
+template <class IsWanted>
+std::vector<Link> links_of(const Grid& grid, std::span<const RecordIndex> records,
+                           const IsWanted& is_wanted, bool one_each) {
   std::vector<Link> links;
   for (const RecordIndex r : records)
     for (int k = 0; k < kDirections; ++k) {
@@ -124,9 +124,10 @@ Check check_snaps(const Grid& grid, std::span<const RecordIndex> records,
   const auto one_way = [&](RecordIndex r, int q) { return grid.is_one_way(r, q); };
   const auto two_way = [&](RecordIndex r, int q) { return grid.two_way(r, q) != Grid::kNoRecord; };
   // Snaps are rare, so they are sampled for themselves: a few records would have none.
+  std::vector<RecordIndex> all(grid.records());
+  std::iota(all.begin(), all.end(), RecordIndex{0});
   const std::vector<Link> snaps =
-      thinned(links_of(grid, std::views::iota(RecordIndex{0}, grid.records()), one_way, false),
-              std::min(kMostLinks, 2 * records.size()));
+      thinned(links_of(grid, all, one_way, false), std::min(kMostLinks, 2 * records.size()));
   const std::vector<Link> others = links_of(grid, records, two_way, true);
   std::vector<std::string> elsewhere(snaps.size());
   std::vector<double> distances(others.size(), -1);
