@@ -149,7 +149,8 @@ TEST_CASE("a claim beyond the limit takes no memory") {
   bytes[1] = std::byte{1};
   CHECK_THROWS_AS(read_all(bytes), FormatError);
   bytes[1] = std::byte{2};
-  CHECK_THROWS_WITH(read_all(bytes), "f: byte 0: neither a grid nor a stream of frames, or damaged");
+  CHECK_THROWS_WITH(read_all(bytes),
+                    "f: byte 0: neither a grid nor a stream of frames, or damaged");
 }
 
 TEST_CASE("values that cannot be are refused") {
