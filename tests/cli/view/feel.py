@@ -76,6 +76,32 @@ def goes_to_the_next_level(browser):
     assert not browser.complaints, browser.complaints
 
 
+def stays_as_large(browser):
+    """Ten minutes of play, as fast as the player goes: after them the page is as large as after five, and below 100 MB."""
+    page = browser.open("file://" + file, width, height, touch)
+    page.wait("hand && frames.length > 2")
+    page.ask("Performance.enable")
+    page.value("window.requestAnimationFrame = () => 0, player.last = undefined, from = [...hand], pictures = 0")
+
+    def size():
+        page.value("""for (let i = 0; i < 3000; ++i) {  // each of 100 ticks
+          ++pictures, player.idle = 0;
+          hand = from.map((x, a) => x + 0.4 * (data.high[a] - data.low[a]) * Math.sin(pictures / (20 + 7 * a)));
+          playOn(100 * pictures);
+        }""")
+        page.ask("HeapProfiler.collectGarbage")
+        numbers = {one["name"]: one["value"] for one in page.ask("Performance.getMetrics")["metrics"]}
+        counters = page.ask("Memory.getDOMCounters")
+        return numbers["JSHeapUsedSize"], counters["nodes"] + counters["jsEventListeners"], page.value("player.memory.buffer.byteLength")
+    five, ten = size(), size()
+    assert page.value("frames.at(-1).time") > 599, page.value("frames.at(-1).time")
+    # 32 bytes a picture are less than any part of a frame; V8 compiles meanwhile.
+    assert ten[0] - five[0] < 32 * 3000 and ten[1] - five[1] < 100 and ten[2] == five[2], (five, ten)
+    path = 8 * 3 * page.value("kPathTicks")
+    assert ten[0] + ten[2] + path < 100e6, (ten, path)
+    print(f"ten minutes: {(ten[0] + ten[2] + path) / 1e6:.0f} MB, {ten[0] - five[0]:.0f} bytes more than after five")
+
+
 if sys.argv[3:]:
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         with Browser(folder, "--disable-gpu", "--disable-3d-apis") as browser:
@@ -109,6 +135,8 @@ with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder, Browser(
         assert -180 <= strip[0] <= 180 and strip[1] > 1, strip
     page.value("nextLevel()")
     page.wait(f"frames[frames.length - 1].time > {at_rest}")
+    if not touch:
+        stays_as_large(browser)
     saves(browser, page, os.getcwd())
     assert not browser.complaints, browser.complaints
     assert all(url.startswith(("file:", "data:", "blob:")) for url in browser.requests), browser.requests
