@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <type_traits>
 #include <vector>
 
@@ -84,28 +85,45 @@ struct Shapes {
 };
 
 /// Where the hand begins: to the left of the middle, at the nearest grid point on the viewer's side
-/// at which no force acts, or at least none that is felt; in the middle where there is none.
+/// at which no force acts, or at least none that is felt, and which lies on no wall. Where there is
+/// none, as around an atom that is held, at the point of the lowest energy, or of the weakest
+/// force.
 Vec3 free_place(const Grid& grid, const RecordFields& fields, double largest, const Vec3& near) {
   const Box& box = grid.box();
   const Vec3 high = box.position({box.counts[0] - 1, box.counts[1] - 1, box.counts[2] - 1});
   const Vec3 middle = 0.5 * (box.origin + high);
   const Vec3 wanted{0.7 * box.origin[0] + 0.3 * middle[0], middle[1], middle[2]};
-  for (const double weak : {0.0, kWeakPart * largest}) {
+  const bool has_energy = !fields.energy.empty();
+  double top = 0;  // half of the highest energy above the lowest
+  if (has_energy) {
+    const auto [lowest, highest] = std::minmax_element(fields.energy.begin(), fields.energy.end());
+    top = 0.5 * (*lowest + *highest);
+  }
+  const auto nearest = [&](const auto& cost) {
     double least = std::numeric_limits<double>::infinity();
-    Vec3 found{};
+    std::optional<Vec3> found;
     for (std::uint64_t p = 0; p < box.points(); ++p) {
       const auto point = static_cast<PointIndex>(p);
-      const RecordIndex first = grid.first(point);
-      if (length_of(fields.force[first]) > weak) continue;
-      const Vec3 x = box.position(point);
-      const double away = length_of(x - wanted);
-      if (away >= least || dot(near, x - middle) < -1e-9 * box.spacing) continue;
-      least = away;
-      found = x;
+      const double of_point = cost(grid.first(point), box.position(point));
+      if (of_point >= least) continue;
+      least = of_point;
+      found = box.position(point);
     }
-    if (std::isfinite(least)) return found;
+    return found;
+  };
+  for (const double weak : {0.0, kWeakPart * largest}) {
+    const std::optional<Vec3> found = nearest([&](RecordIndex r, const Vec3& x) {
+      const bool fits = length_of(fields.force[r]) <= weak &&
+                        (!has_energy || fields.energy[r] <= top) &&
+                        dot(near, x - middle) >= -1e-9 * box.spacing;
+      return fits ? length_of(x - wanted) : std::numeric_limits<double>::infinity();
+    });
+    if (found) return *found;
   }
-  return middle;
+  return nearest([&](RecordIndex r, const Vec3&) {
+           return has_energy ? fields.energy[r] : length_of(fields.force[r]);
+         })
+      .value_or(middle);
 }
 
 /// Of the model by itself at each record; none where it has no such energy.

@@ -88,7 +88,7 @@ function colourName(rgb) {
 /// What somebody who has this file and no other word should do, from what is in the scene.
 function goal() {
   const { own, spheres, hip_radius } = data, largest = spheres.map((one, k) => [one[0], k]).sort((a, b) => b[0] - a[0]);
-  const held = spheres.some((one, k) => distance(sphere(frames[0], k), own.start) < 0.2 * (one[0] + hip_radius));
+  const held = frames[0].bonds.length > 0 && spheres.some((one, k) => distance(sphere(frames[0], k), own.start) < 0.2 * (one[0] + hip_radius));
   const end = own.snaps ? "it snaps" : "it yields";
   if (held) return `Drag the pink ball, which holds an atom: lead it round until ${own.torsions.length ? "the bond turns over" : end}.`;
   if (own.torsions.length) return `Drag the pink ball against the molecule until a bond ${own.snaps ? "turns over" : "yields"}.`;
