@@ -87,8 +87,8 @@ def _define(o: Namespace, work: Work, name: str) -> list[str]:
         names, tables = field.read(work.path("host.maps.fld"), ligand)
     files = [] if o.atoms else maps.write(work, names, tables, host, low, high)
     by = "atom by atom" if o.atoms else f"maps {', '.join(names)}"
-    work.say(f"  host of {len(host)} atoms, ligand of {len(ligand)} atoms; grid of {' x '.join(map(str, counts))} points, "
-             f"{o.spacing:g} angstrom apart; {by}")
+    work.say(f"  host of {len(host)} atoms, ligand of {len(ligand)} atoms, without hydrogens on carbon, which count with it; "
+             f"grid of {' x '.join(map(str, counts))} points, {o.spacing:g} angstrom apart; {by}")
     types = "" if o.atoms else f"types = {json.dumps(names)}   # what the maps are of: AutoDock's types of atoms, charge e, desolvation d\n"
 
     def definition(force_scale: float) -> str:
@@ -192,6 +192,10 @@ def _page(work: Work, name: str) -> list[str]:
              *(f"R{r}{c}" for c in (1, 2) for r in (1, 2, 3)),
              *(f"torsion {t + 1} / rad" for t in range(state.shape[1] - 6))]
     work.write("poses.tsv", "\t".join(heads) + "\n" + "".join("\t".join(f"{v:.4f}" for v in row) + "\n" for row in rows))
+    deepest = points[poses[0]]
+    edge = ((deepest == 0) | (deepest == counts - 1)).any()
+    if edge:
+        work.say("  the deepest pose lies on the edge of the box, so deeper ones may lie outside: see --size and --centre")
     made = ["path.txt", "poses.tsv", *page.along(work, grid, "kJ/mol", "angstrom")]
     for picture, at in (("outside.png", 0.0), ("inside.png", TICKS / 1000)):
         work.run("view", "played.frames", "--at", at, "--png", picture)
@@ -205,6 +209,7 @@ def _page(work: Work, name: str) -> list[str]:
 <img src="outside.png" alt="outside"> <img src="inside.png" alt="inside">
 <img src="energy.png" alt="energy on the way"> <img src="force.png" alt="force on the way">
 <h2>The deepest poses</h2>
+{"<p>The deepest one lies on the edge of the box, so deeper ones may lie outside." if edge else ""}
 <table><tr><th>energy / (kJ/mol)<th>x / Å<th>y / Å<th>z / Å{table}</table>""")
     return made
 
