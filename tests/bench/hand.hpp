@@ -8,7 +8,6 @@
 #include <optional>
 #include <utility>
 
-#include "libcore/device/simulated.hpp"
 #include "libcore/follow/beside.hpp"
 #include "libcore/follow/branch_traversal.hpp"
 #include "libcore/follow/node_force.hpp"
@@ -16,6 +15,7 @@
 #include "libcore/grid/vec3.hpp"
 #include "libcore/loop/loop.hpp"
 #include "tests/bench/bench.hpp"
+#include "tests/bench/simulated.hpp"
 
 namespace hapgrid::bench {
 

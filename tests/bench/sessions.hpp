@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "libcore/base/histogram.hpp"
-#include "libcore/device/simulated.hpp"
 #include "libcore/loop/loop.hpp"
 #include "libcore/model/fields.hpp"
+#include "tests/bench/simulated.hpp"
 
 namespace hapgrid {
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "libcore/device/simulated.hpp"
-#include "libcore/device/wandering.hpp"
 #include "libcore/loop/mapping.hpp"
+#include "tests/bench/simulated.hpp"
+#include "tests/bench/wandering.hpp"
 
 namespace hapgrid {
 

@@ -1,11 +1,11 @@
-#include "libcore/device/simulated.hpp"
+#include "tests/bench/simulated.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 
-#include "libcore/device/wandering.hpp"
 #include "libcore/grid/vec3.hpp"
+#include "tests/bench/wandering.hpp"
 #include "tests/unit/catch.hpp"
 
 using namespace hapgrid;

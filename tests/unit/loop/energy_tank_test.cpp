@@ -7,8 +7,8 @@
 #include <random>
 #include <vector>
 
-#include "libcore/device/simulated.hpp"
 #include "libcore/grid/vec3.hpp"
+#include "tests/bench/simulated.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/follow/random_grid.hpp"
 #include "tests/unit/loop/limits.hpp"

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <vector>
 
-#include "libcore/device/simulated.hpp"
 #include "libcore/grid/vec3.hpp"
 #include "libcore/loop/energy_tank.hpp"
+#include "tests/bench/simulated.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/loop/limits.hpp"
 #include "tests/unit/loop/numbers.hpp"

@@ -1,4 +1,4 @@
-#include "libcore/device/simulated.hpp"
+#include "tests/bench/simulated.hpp"
 
 #include <algorithm>
 #include <cmath>

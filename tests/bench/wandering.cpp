@@ -1,4 +1,4 @@
-#include "libcore/device/wandering.hpp"
+#include "tests/bench/wandering.hpp"
 
 #include <algorithm>
 #include <cmath>
