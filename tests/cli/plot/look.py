@@ -90,3 +90,15 @@ one, two = [tuple(bytes.fromhex(fill[1:])) for fill in fills[-2:]]
 shares = [colour_share(image, one), colour_share(image, two)]
 wanted = sum(value == 2 for value in here.values()) / len(here)
 assert abs(shares[1] / sum(shares) - wanted) < 0.02, (shares, wanted)  # the legend has a square of each
+
+# A field: its longest arrow is that of play on the same rows, each walked from the left.
+has("field.svg", "x / rope lengths", "z / rope lengths")
+said = next(text for text in texts("field.svg") if "longest arrow" in text)
+there = -0.975 + 0.1 * numpy.arange(20)
+rows = [(x, 0.025, z) for z in -0.475 + 0.1 * numpy.arange(10) for x in [*there, *there[-2:0:-1]]]
+log = subprocess.run(["play", "grid", "--beside", "off", "--device", "path:-", "--log", "-"], check=True, capture_output=True, text=True,
+                     input="".join(" ".join(map(str, row)) + "\n" for row in rows)).stdout.splitlines()
+columns = [log[0].split("\t").index(name) for name in ("force_x", "force_z")]
+ticks = numpy.array([line.split("\t") for line in log[1:]], float)[:, columns].reshape(10, 38, 2)[:, :20]
+most = numpy.hypot(*ticks.T).max()
+assert f"the longest arrow is {most:.2g} N" in said, (said, most)

@@ -38,6 +38,25 @@ def read_frames(path: str, data: bytes) -> Any:
     return array
 
 
+def read_spheres(path: str, data: bytes) -> Any:
+    """Radius, red, green and blue of each sphere that shows the model. Raises ValueError for damaged frames."""
+    import numpy
+
+    try:
+        message = _Message.at(data, 0)
+        if message is None:
+            return numpy.zeros((0, 4))
+        scene = message.struct(*message.pointer_of(message.struct(0, 0), 0))
+        segment, start, pointer = message.follow(*message.pointer_of(scene, 4))
+        count, words = (message.word(segment, start) >> 2, 3) if pointer else (0, 3)  # each has 16 bytes and a pointer
+        if pointer and pointer & 7 << 32 != 7 << 32 or count & 0x3FFFFFFF > 1 << 20:
+            raise ValueError
+        rows = numpy.frombuffer(message.segments[segment], "<f4", 2 * words * (count & 0x3FFFFFFF), start + 8)
+        return rows.reshape(-1, 2 * words)[:, :4]
+    except (LookupError, ValueError, TypeError, RecursionError):
+        raise ValueError(f"{path}: damaged frames, in the scene") from None
+
+
 def _frame(message: _Message, at: Struct) -> dict[str, Any]:
     import numpy
 

@@ -1,6 +1,7 @@
 """Plots like a paper's. Each function returns a figure of matplotlib, which a notebook shows and style.save() writes.
 
     hapgrid.plot.slice("ball.grid", "y=0")                              how many levels the points of a plane have
+    hapgrid.plot.field("alanine.grid", "z=0")                           energy contours and force arrows in a plane
     hapgrid.plot.columns("there-and-back.log", "x", "s0", grid="ball.grid")  a column over another one, there and back
     hapgrid.plot.session("a.session")                                   what happened in a play, over time
     hapgrid.plot.error(["coarse.grid", "fine.grid"])                    how far play is from the model, over the spacing
@@ -16,15 +17,16 @@ import subprocess
 from collections.abc import Iterable, Sequence
 from typing import Any, TypeAlias
 
+from hapgrid.fields import field
 from hapgrid.files import program, read
-from hapgrid.quantities import AXES, Play, beside, report
+from hapgrid.quantities import AXES, Play, beside, plane_of, report
 from hapgrid.style import (BLUE, COLOURS, GREY, MARKERS, ORANGE, PURPLE, figure, house_style, label, legend, limits, place,
                            plain, save, sign)
 
 Name: TypeAlias = str | os.PathLike[str]
 Files: TypeAlias = Name | Iterable[Name]
 
-__all__ = ["columns", "error", "save", "session", "slice"]
+__all__ = ["columns", "error", "field", "save", "session", "slice"]
 MOST_SNAPS = 40  # that are marked one by one
 MOST_PATCHES = 8  # of a slice's legend
 COLUMNS = 2000  # of a curve over time: more are not seen
@@ -45,7 +47,7 @@ def slice(grid: str | os.PathLike[str], plane: str | None = None) -> Any:
     if "point" not in arrays:
         raise ValueError(f"{grid}: not a grid")
     origin, spacing, counts = arrays["origin"], float(arrays["spacing"]), arrays["counts"].astype(int)
-    axis, index = _plane(plane, origin, spacing, counts)
+    axis, index = plane_of(plane, origin, spacing, counts)
     u, v = (a for a in range(3) if a != axis)
     levels = numpy.zeros((counts[v], counts[u]), int)
     points = arrays["point"][arrays["point"][:, axis] == index]
@@ -66,25 +68,6 @@ def slice(grid: str | os.PathLike[str], plane: str | None = None) -> Any:
         axes.set(xlabel=label(AXES[u], unit), ylabel=label(AXES[v], unit), title=plain(title))
         _levels_legend(drawn, axes, levels, colours)
     return drawn
-
-
-def _plane(text: str | None, origin: Any, spacing: float, counts: Any) -> tuple[int, int]:
-    """The axis and the number of the plane of points."""
-    if text is None:
-        return 1, int(counts[1]) // 2
-    axis, _, value = text.partition("=")
-    try:
-        at = float(value) if axis in AXES and axis else None
-    except ValueError:
-        at = None
-    if at is None or at - at != 0:
-        raise ValueError(f"a plane is like y=0.25, not {plain(text)!r}")
-    a = AXES.index(axis)
-    step, last = (at - origin[a]) / spacing, int(counts[a]) - 1
-    if not -1e-9 <= step <= last + 1e-9:
-        ends = f"{origin[a]:g} to {origin[a] + last * spacing:g}"
-        raise ValueError(f"the plane {plain(text)} is outside the box: {axis} goes from {ends}")
-    return a, min(max(int(-(-(step - 0.5) // 1)), 0), last)  # the lower of two that are equally near
 
 
 def _level_colours(module: Any, most: int) -> Any:

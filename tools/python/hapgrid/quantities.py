@@ -7,7 +7,7 @@ import subprocess
 from typing import Any
 
 from hapgrid.files import program, read
-from hapgrid.style import label
+from hapgrid.style import label, plain
 
 AXES = "xyz"
 WORDS = {"t": "time", "force": "force", "sent": "force", "energy": "energy", "own_energy": "energy",
@@ -21,6 +21,25 @@ def report(*arguments: str) -> dict[str, Any]:
     if result.returncode != 0:
         raise ValueError(result.stderr.decode(errors="replace").strip().removeprefix("stats: "))
     return json.loads(result.stdout)
+
+
+def plane_of(text: str | None, origin: Any, spacing: float, counts: Any) -> tuple[int, int]:
+    """The axis and the number of the plane of points."""
+    if text is None:
+        return 1, int(counts[1]) // 2
+    axis, _, value = text.partition("=")
+    try:
+        at = float(value) if axis in AXES and axis else None
+    except ValueError:
+        at = None
+    if at is None or at - at != 0:
+        raise ValueError(f"a plane is like y=0.25, not {plain(text)!r}")
+    a = AXES.index(axis)
+    step, last = (at - origin[a]) / spacing, int(counts[a]) - 1
+    if not -1e-9 <= step <= last + 1e-9:
+        ends = f"{origin[a]:g} to {origin[a] + last * spacing:g}"
+        raise ValueError(f"the plane {plain(text)} is outside the box: {axis} goes from {ends}")
+    return a, min(max(int(-(-(step - 0.5) // 1)), 0), last)  # the lower of two that are equally near
 
 
 class Play:

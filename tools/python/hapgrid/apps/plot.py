@@ -17,6 +17,8 @@ picture's name. The same pictures come from hapgrid.plot in Python.
 KINDS = """\
 Pictures:
   slice GRID            how many levels the points of a plane have
+  field GRID            energy contours and force arrows in a plane, and
+                        where the model's spheres cut it
   columns LOG...        column Y over column X of logs, sessions or frames, one
                         over the other; there and back, with the snaps
   session LOG           what happened in a play, over time: force, HIP, energy,
@@ -36,6 +38,7 @@ Exit codes:
 
 Examples:
   hapgrid plot slice ball.grid --at y=0 -o levels.png
+  hapgrid plot field alanine.grid --at z=0 -o field.svg
   hapgrid plot columns a.log --x x --y s0 --grid ball.grid -o loop.svg
   hapgrid plot session a.session -o a.pdf
   hapgrid plot error 20.grid 30.grid 60.grid -o error.png
@@ -54,10 +57,10 @@ class Parser(argparse.ArgumentParser):
 def arguments(words: Sequence[str]) -> argparse.Namespace:
     parser = Parser(prog="plot", usage="hapgrid plot PICTURE FILE... -o FILE [OPTION...]", description=ABOUT, epilog=KINDS,
                     allow_abbrev=False, add_help=False, formatter_class=lambda prog: argparse.RawDescriptionHelpFormatter(prog, width=80))
-    parser.add_argument("picture", choices=["slice", "columns", "session", "error"], help=argparse.SUPPRESS)
+    parser.add_argument("picture", choices=["slice", "field", "columns", "session", "error"], help=argparse.SUPPRESS)
     parser.add_argument("files", metavar="FILE", nargs="+", help=argparse.SUPPRESS)
     parser.add_argument("-o", "--output", metavar="FILE", help="picture to write ('-': a PNG to standard output)")
-    parser.add_argument("--at", metavar="AXIS=VALUE", help="plane of a slice, as y=0 (default: the middle of y)")
+    parser.add_argument("--at", metavar="AXIS=VALUE", help="plane of a slice or field (default: y in the middle)")
     parser.add_argument("--x", metavar="COLUMN", help="column along the horizontal axis (default: t)")
     parser.add_argument("--y", metavar="COLUMN", help="column along the vertical axis")
     parser.add_argument("--grid", metavar="GRID", help="grid that was played: units, and a session's states and energies")
@@ -80,14 +83,14 @@ def checked(options: argparse.Namespace) -> argparse.Namespace:
     """The options, where each of them means something for the picture. Raises Wrong."""
     from hapgrid.style import kind_of
 
-    mine = {"slice": {"at"}, "columns": {"x", "y", "grid", "model_path", "names", "labels"}, "session": {"grid", "model_path"},
-            "error": {"walks", "allow_process", "model_path"}}[options.picture]
+    mine = {"slice": {"at"}, "field": {"at", "model_path"}, "columns": {"x", "y", "grid", "model_path", "names", "labels"},
+            "session": {"grid", "model_path"}, "error": {"walks", "allow_process", "model_path"}}[options.picture]
     for name in ("at", "x", "y", "grid", "model_path", "names", "labels", "walks", "allow_process"):
         if getattr(options, name) is not None and name not in mine:
             raise Wrong(f"--{name.replace('_', '-')} is not for {options.picture}")
-    if options.picture in ("slice", "session") and len(options.files) != 1:
+    if options.picture in ("slice", "field", "session") and len(options.files) != 1:
         raise Wrong(f"{options.picture} draws one file, not {len(options.files)}")
-    if options.model_path is not None and options.grid is None and options.picture != "error":
+    if options.model_path is not None and options.grid is None and options.picture not in ("error", "field"):
         raise Wrong("--model-path needs --grid GRID")
     if options.picture == "columns" and options.y is None:
         raise Wrong("columns needs --y COLUMN")
@@ -117,6 +120,8 @@ def draw(options: argparse.Namespace) -> None:
 
     if options.picture == "slice":
         figure = plot.slice(options.files[0], options.at)
+    elif options.picture == "field":
+        figure = plot.field(options.files[0], options.at, options.model_path)
     elif options.picture == "columns":
         figure = plot.columns(options.files, options.x or "t", options.y, grid=options.grid, names=options.names, labels=options.labels,
                               model_path=options.model_path)
