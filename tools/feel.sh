@@ -60,6 +60,8 @@ else
   said="$file (-o FILE.html keeps it)"
 fi
 echo "hapgrid: feel: open in a browser: $said" >&2
-if test -n "${DISPLAY-}${WAYLAND_DISPLAY-}" && command -v xdg-open >/dev/null; then
+if test -n "${SSH_CONNECTION-}"; then
+  echo "hapgrid: feel: over ssh: on your own machine, scp $(uname -n):$(realpath "$file") . and open it there" >&2
+elif test -n "${DISPLAY-}${WAYLAND_DISPLAY-}" && command -v xdg-open >/dev/null; then
   xdg-open "$file" >/dev/null 2>&1 </dev/null &
 fi

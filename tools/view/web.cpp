@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstdlib>
 #include <deque>
 #include <map>
 #include <memory>
@@ -44,6 +45,13 @@ std::string random_token() {
 std::string header(lws* wsi, lws_token_indexes which) {
   std::array<char, 512> text{};
   const int length = lws_hdr_copy(wsi, text.data(), static_cast<int>(text.size()), which);
+  return length > 0 ? std::string(text.data(), static_cast<std::size_t>(length)) : std::string();
+}
+
+std::string header(lws* wsi, std::string_view name) {
+  std::array<char, 512> text{};
+  const int length = lws_hdr_custom_copy(wsi, text.data(), static_cast<int>(text.size()),
+                                         name.data(), static_cast<int>(name.size()));
   return length > 0 ? std::string(text.data(), static_cast<std::size_t>(length)) : std::string();
 }
 
@@ -99,6 +107,10 @@ void WebServer::run(const std::string& frames) {
   OutputFile output("-", /*binary=*/false);
   output.write(address() + "\n");
   output.commit();
+  if (std::getenv("SSH_CONNECTION") && options_.address == "127.0.0.1")
+    say("view", format("over ssh: on your own machine, ssh -L {}:127.0.0.1:{} and the name of this "
+                       "one; then open the address there. Ctrl-C here ends it.",
+                       port(), port()));
   feed_->start();
   serve();
 }
@@ -140,7 +152,7 @@ int WebServer::send_page(lws* wsi, const std::string& path) {
       "cache-control: no-store\r\nreferrer-policy: no-referrer\r\nx-content-type-options: "
       "nosniff\r\n"
       "content-security-policy: default-src 'none'; script-src 'unsafe-inline'; "
-      "style-src 'unsafe-inline'; img-src data: blob:; connect-src 'self' ws:; "
+      "style-src 'unsafe-inline'; img-src data: blob:; connect-src 'self' ws: wss:; "
       "frame-ancestors 'none'\r\n\r\n";
   if (!write(wsi, format(kHead, page_.size()), LWS_WRITE_HTTP_HEADERS)) return -1;
   ::lws_callback_on_writable(wsi);
@@ -152,11 +164,14 @@ int WebServer::send_body(lws* wsi) {
 }
 
 /// Whether a WebSocket comes from our page: its address has the token, and the page that opens it
-/// is from here, whatever name and port a tunnel gives us.
+/// is from here, whatever name and port a tunnel or a proxy gives us.
 bool WebServer::admits(lws* wsi) const {
-  const std::string host = header(wsi, WSI_TOKEN_HOST);
-  return header(wsi, WSI_TOKEN_GET_URI) == "/" + token_ + "/ws" && !host.empty() &&
-         header(wsi, WSI_TOKEN_ORIGIN) == "http://" + host;
+  const std::string origin = header(wsi, WSI_TOKEN_ORIGIN);
+  const auto is_from = [&](const std::string& host) {
+    return !host.empty() && (origin == "http://" + host || origin == "https://" + host);
+  };
+  return header(wsi, WSI_TOKEN_GET_URI) == "/" + token_ + "/ws" &&
+         (is_from(header(wsi, WSI_TOKEN_HOST)) || is_from(header(wsi, "x-forwarded-host:")));
 }
 
 void WebServer::begin(lws* wsi) {

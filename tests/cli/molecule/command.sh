@@ -66,25 +66,29 @@ awk -F'\t' -v least="$(word ethanol/C1-C2-O3-H9-plus.xyz 11 dE)" '
   $own > most { most = $own } END { exit !(most > 0.5 * least && most < 25) }' ethanol/played.log ||
   fail "the molecule's energy in ethanol/played.log"
 
-# The trajectories of what was played open in MDAnalysis, with the same atoms in the same places.
-if ! /usr/bin/python3 -c 'import MDAnalysis' 2>/dev/null; then
-  missing python3-mdanalysis
+# The names of the page's atoms and their bonds are read by other programs without a warning, and the trajectory with them.
+if ! /usr/bin/python3 -c 'import MDAnalysis, ase' 2>/dev/null; then
+  missing "python3-mdanalysis, python3-ase"
 else
-  /usr/bin/python3 -W ignore - <<'END' || fail "MDAnalysis reads the trajectories otherwise"
+  /usr/bin/python3 -W error -W ignore::DeprecationWarning - <<'END' 2>said || fail "other programs read played.pdb otherwise: $(cat said)"
+import ase.io
 import MDAnalysis
 import numpy
-one, two = MDAnalysis.Universe("ethanol/played.pdb"), MDAnalysis.Universe("ethanol/played.xyz")
-bonds = sorted(sorted(int(a.index) for a in bond) for bond in one.bonds)  # of ethanol, and none of the probe
-assert bonds == [[0, 1], [0, 3], [0, 4], [0, 5], [1, 2], [1, 6], [1, 7], [2, 8]], bonds
-probe, = one.select_atoms("resname HIP")
-assert probe.index == 9 and probe.record_type == "HETATM"
-assert list(one.atoms.elements[:9]) == ["C", "C", "O"] + 6 * ["H"] == list(two.atoms.names), one.atoms.elements
-assert len(one.trajectory) == len(two.trajectory) > 10
-for a, b in zip(one.trajectory, two.trajectory):
-    assert numpy.abs(a.positions[:9] - b.positions).max() < 6e-4  # three decimals
+from rdkit import Chem
+names = "C1 C2 O3 H4 H5 H6 H7 H8 H9".split()
+bonds = [[0, 1], [0, 3], [0, 4], [0, 5], [1, 2], [1, 6], [1, 7], [2, 8]]
+one = MDAnalysis.Universe("ethanol/played.pdb", "ethanol/played.xyz")
+assert list(one.atoms.names) == names and sorted(sorted(map(int, bond.indices)) for bond in one.bonds) == bonds
+rdkit = Chem.MolFromPDBFile("ethanol/played.pdb", removeHs=False)
+assert [atom.GetPDBResidueInfo().GetName().strip() for atom in rdkit.GetAtoms()] == names
+assert sorted(sorted((b.GetBeginAtomIdx(), b.GetEndAtomIdx())) for b in rdkit.GetBonds()) == bonds
+read = ase.io.read("ethanol/played.pdb")
+assert list(read.arrays["atomtypes"]) == names and read.get_chemical_formula() == "C2H6O"
+assert len(one.trajectory) > 10
 start = MDAnalysis.Universe("ethanol/conformation.xyz").atoms.positions  # before the probe touches anything
 one.trajectory[0]
-assert numpy.abs(one.atoms.positions[:9] - start).max() < 6e-4
+for places in (one.atoms.positions, rdkit.GetConformer().GetPositions(), read.positions):
+    assert numpy.abs(places - start).max() < 6e-4  # three decimals
 END
 fi
 

@@ -5,6 +5,7 @@ usage: feel.py PAGE WIDTH [bare]     narrower than 600 pixels, a finger pushes; 
 The last line is what the page shows at the end, as JSON."""
 import json
 import os
+import re
 import sys
 import tempfile
 import time
@@ -32,6 +33,19 @@ def begins(browser):
     # It begins outside of the model, where there is no force.
     assert page.value("frames[0].size") <= 0.01 * page.value("data.full_force"), page.value("frames[0].size")
     return page
+
+
+def names_atoms(page):
+    """The pointer over the foremost atom has its name, as the torsions have them: the element and the number."""
+    front = page.value("Math.max(...data.spheres.map((_, k) => dot(view.axes[2], sphere(frames[shown], k)) + data.spheres[k][0]))")
+    number = page.value(f"data.spheres.findIndex((one, k) => dot(view.axes[2], sphere(frames[shown], k)) + one[0] === {front})")
+    left, top, x, y = page.value(f"(r => [r.left, r.top, ...inPicture(sphere(frames[shown], {number}))])(element('scene').getBoundingClientRect())")
+    page.mouse("mouseMoved", left + x, top + y)
+    page.wait("pointed !== null")
+    name = page.value("nameAt(frames[shown], pointed)")
+    assert re.fullmatch(f"[A-Z][a-z]?{number + 1}", name), (name, number)
+    torsion = page.value("data.own.torsions[0][2]")
+    assert number >= 4 or name in torsion.split("-"), (name, torsion)  # of dichloroethane
 
 
 def pushes_until_it_snaps(page):
@@ -111,6 +125,8 @@ with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder, Browser(
     began = time.monotonic()
     page = begins(browser)
     print(f"{time.monotonic() - began:.1f} s to the first pictures, memory {page.value('player.memory.buffer.byteLength') / 1e6:.0f} MB")
+    if not touch and page.value("data.own.torsions.length"):
+        names_atoms(page)
     pushes_until_it_snaps(page)
     # A hand at rest: time stops after a while, and goes on when the hand moves.
     page.wait("player.last === null")

@@ -22,9 +22,9 @@ def status(address):
         return e.code
 
 
-async def comes_in(address, origin):
+async def comes_in(address, origin, **headers):
     try:
-        async with websockets.connect(address, subprotocols=["hapgrid"], origin=origin):
+        async with websockets.connect(address, subprotocols=["hapgrid"], origin=origin, extra_headers=headers):
             return True
     except (websockets.exceptions.WebSocketException, OSError):
         return False
@@ -38,6 +38,10 @@ def strangers_are_refused(address):
     assert not asyncio.run(comes_in(wrong.replace("http:", "ws:") + "ws", f"http://{here}"))
     assert not asyncio.run(comes_in(socket, "http://elsewhere.example"))
     assert not asyncio.run(comes_in(socket, None))
+    # Behind a proxy that speaks https, with the browser's name for it or with another one.
+    assert asyncio.run(comes_in(socket, f"https://{here}"))
+    assert asyncio.run(comes_in(socket, "https://hub.example", **{"X-Forwarded-Host": "hub.example"}))
+    assert not asyncio.run(comes_in(socket, "https://elsewhere.example", **{"X-Forwarded-Host": "hub.example"}))
 
 
 def moves_nothing(address):
@@ -72,6 +76,12 @@ def main():
             page.drag([(300 + 5 * i, 300) for i in range(10)])
             assert page.value("view.axes[0][0]") != before
             assert page.value("frames[frames.length - 1].time - frames[0].time") <= page.value("kLiveSeconds")
+        # A connection that is lost is said, and is there again by itself.
+        page.value("socket.close()")
+        page.wait("element('scene').className === 'lost' && element('say').textContent.startsWith('The connection is lost')")
+        page.wait("socket.readyState === 1 && element('scene').className === ''")
+        last = page.value("frames[frames.length - 1].time")
+        page.wait(f"frames[frames.length - 1].time > {last}")
         os.kill(play, signal.SIGTERM)
         for page in pages:
             page.wait("ended")

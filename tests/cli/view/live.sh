@@ -20,6 +20,15 @@ port=$(sed -E 's|.*:([0-9]+)/.*|\1|' address)
 refuses "view: cannot listen on port $port of 127.0.0.1: is another program there\?" -- view frames --web --port "$port"
 kill $first
 wait $first || :
+rm address
+SSH_CONNECTION='10.0.0.2 5000 10.0.0.1 22' view frames --web >address 2>err &
+first=$!
+wait_for 60 "how the page comes over ssh" grep -q 'ssh -L' err
+port=$(sed -E 's|.*:([0-9]+)/.*|\1|' address)
+same 'the tunnel' "~view: over ssh: on your own machine, ssh -L $port:127\.0\.0\.1:$port and .*" "$(cat err)"
+kill $first
+wait $first || :
+rm address
 view frames --web --address 0.0.0.0 >address 2>err &
 first=$!
 wait_for 60 "address" grep -q http address

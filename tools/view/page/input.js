@@ -2,6 +2,7 @@
 
 let turning = false;         // a drag turns the picture although there is a hand
 const pointers = new Map();  // those that are down, with where they were
+let pointed = null;          // where a pointer is that nobody has pressed, in pixels of the picture
 
 /// Moves the hand by so many pixels to the right and down, and by a length towards the viewer.
 function moveHand(right, down, nearer) {
@@ -35,6 +36,8 @@ function moveTwo(e) {
 }
 
 function onMove(e) {
+  pointed = pointers.size === 0 ? [e.offsetX, e.offsetY] : null;
+  if (pointed && data?.names.some((name) => name)) drawSoon();
   const was = pointers.get(e.pointerId);
   if (!was) return;
   const way = [e.clientX - was[0], e.clientY - was[1]];
@@ -162,6 +165,7 @@ function listen() {
   });
   for (const end of ["pointerup", "pointercancel", "lostpointercapture"])
     area.addEventListener(end, (e) => pointers.delete(e.pointerId));
+  area.addEventListener("pointerleave", () => { pointed = null; });
   area.addEventListener("contextmenu", (e) => e.preventDefault());
   area.addEventListener("pointermove", onMove);
   area.addEventListener("wheel", (e) => {

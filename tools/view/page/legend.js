@@ -123,6 +123,18 @@ function drawFlash(c, frame, place, unit) {
   }
 }
 
+/// The name of the atom that is seen at a place of the picture, in pixels.
+function nameAt(frame, at) {
+  const near = view.axes[2], unit = pixel();
+  let name = "", nearest = -Infinity;
+  data.names.forEach((one, k) => {
+    const centre = sphere(frame, k), away = unit * Math.hypot(...inPicture(centre).map((x, i) => x - at[i]));
+    const front = dot(near, centre) + Math.sqrt(drawnRadius(k) ** 2 - away ** 2);  // NaN beside the sphere
+    if (front > nearest) [name, nearest] = [one, front];
+  });
+  return name;
+}
+
 const hasForceBar = () => live && data.full_force > 0;
 
 /// The largest force so far, at least a tenth of the grid's, rounded up to 1, 2 or 5 times a power of ten.
@@ -165,6 +177,7 @@ function drawLegend() {
   if (data.own) markTorsions(c, frame, place, [width, height]);
   else if (large) nameTurned(c, width, height, frame, place, unit);
   drawHand(c, frame, place, width);
+  if (pointed) drawText(c, nameAt(frame, pointed), pointed[0] / scale + 12, pointed[1] / scale - 10);
   drawFlash(c, frame, place, unit);
   if (large && hasForceBar()) drawForceBar(c, width, height, frame.size);
 }

@@ -10,10 +10,12 @@
 
 const frames = [];       // of a live page those of the last seconds
 const kLiveSeconds = 20;
+const kRetryMilliseconds = 1000;
 const kMostNumbers = 16e6;  // of centres
 let live = false;
 let socket = null;
 let ended = false;
+let built = false;
 let hand = null;         // where this page's hand is
 let snaps = 0;           // of a live page, since it was opened
 let largestForce = 0;    // alike, in newtons
@@ -33,6 +35,8 @@ function build() {
   document.title = data.model + " - hapgrid";
   sticks = data.sticks;
   fit();
+  if (built) return;  // a connection that was lost is there again
+  built = true;
   buildPicture();
   listen();
 }
@@ -127,6 +131,8 @@ function onMessage(message) {
   } else if (message.scene) {
     data = message.scene;
     build();
+    say("This page watches. The hand is on the device that play drives.");
+    lose(false);
     setPlaying(true);
   } else if (message.ended) {
     ended = true;
@@ -134,18 +140,24 @@ function onMessage(message) {
   }
 }
 
+/// What is shown is old, and says so.
+function lose(yes) {
+  element("scene").className = yes ? "lost" : "";
+  if (yes) say("The connection is lost, and tried again each second. Is view still running, and the tunnel to it?", true);
+}
+
 function connect() {
   live = true;
-  say("waiting for frames");
+  if (!data) say("waiting for frames");
   const address = new URL("ws", location.href);
-  address.protocol = "ws:";
+  address.protocol = location.protocol === "https:" ? "wss:" : "ws:";
   address.hash = "";
   socket = new WebSocket(address, "hapgrid");
   socket.onmessage = (e) => onMessage(JSON.parse(e.data));
   socket.onclose = () => {
-    ended = true;
-    if (!element("say").className) say(data ? "" : "view has no frames for this page any more");
-    if (data) drawSoon();
+    if (ended) return;
+    lose(true);
+    setTimeout(connect, kRetryMilliseconds);
   };
 }
 

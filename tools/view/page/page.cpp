@@ -50,6 +50,16 @@ Json light_numbers() {
           {"box_rgb", kBoxColour}};
 }
 
+/// Of each sphere that is an atom its element and its number, as tables and torsions name it.
+Json names_of(const Scene& scene) {
+  Json names = Json::array();
+  for (const Sphere& sphere : scene.spheres)
+    names.push_back(sphere.label.empty()
+                        ? std::string()
+                        : format("{}{}", printable_line(sphere.label), names.size() + 1));
+  return names;
+}
+
 }  // namespace
 
 Json page_scene(const Scene& scene, const Frame& frame, const RenderOptions& options) {
@@ -123,6 +133,7 @@ Json page_scene(const Scene& scene, const Frame& frame, const RenderOptions& opt
   for (const Sphere& sphere : scene.spheres)
     data["spheres"].push_back(
         {sphere.radius, sphere.colour[0], sphere.colour[1], sphere.colour[2]});
+  data["names"] = names_of(scene);
   return data;
 }
 

@@ -20,7 +20,7 @@ from .elements import COLOURS, SYMBOLS
 from .molecule import placed, signed
 from .probe_lines import read_log
 from .xtb import BOHR, HARTREE
-from .xyz import Frame, frames, frames_of
+from .xyz import Frame, frames
 
 if TYPE_CHECKING:
     from .steps import Start
@@ -46,9 +46,7 @@ def write(start: Start, turned: Sequence[Torsion], ways: Sequence[str]) -> list[
     run("play", f"{folder.name()}.grid", "--device", f"path:{ways[0]}", "--log", "played.log", "--frames", "played.frames",
         watch=lambda gone: folder.waiting("playing the way", gone, None))
     run("view", "played.frames", "--xyz", "played.xyz")
-    # The probe is no element: it comes as the last atom, and as helium.
-    probed = frames_of(run("view", "played.frames", "--xyz", "-", "--hip-label", "He").out, "played.frames")
-    folder.write("played.pdb", pdb(start.molecule.rd, probed))
+    folder.write("played.pdb", pdb(start.molecule.rd, frames(folder.path("played.xyz"))[0]))
     for name, column, label in CURVES:
         run("plot", "columns", "played.log", "--y", column, "--labels", f"time / s,{label}", "-o", name)
     log = read_log(folder.read("played.log"))
@@ -62,13 +60,13 @@ def write(start: Start, turned: Sequence[Torsion], ways: Sequence[str]) -> list[
             "index.html"]
 
 
-def pdb(rd: Chem.Mol, shapes: Sequence[Frame]) -> str:
-    """The text of a PDB file of xyz.Frames, each a model, whose last atom is the probe. rd: RDKit's molecule without it."""
-    rd, probe = Chem.RWMol(rd), Chem.Atom(0)
-    probe.SetMonomerInfo(Chem.AtomPDBResidueInfo(" X  ", residueName="HIP", residueNumber=2, isHeteroAtom=True))
-    rd.AddAtom(probe)
-    for one in shapes:
-        rd.AddConformer(placed(rd, one.x).GetConformer(), assignId=True)
+def pdb(rd: Chem.Mol, first: Frame) -> str:
+    """The text of a PDB file with the names and bonds of the atoms, where they are in a frame. rd: RDKit's molecule."""
+    rd = Chem.Mol(placed(rd, first.x))
+    for number, atom in enumerate(rd.GetAtoms(), 1):
+        symbol = atom.GetSymbol()
+        name = f"{symbol}{number}" if len(symbol) == 2 else f" {symbol}{number}"
+        atom.SetMonomerInfo(Chem.AtomPDBResidueInfo(f"{name:4}"[-4:], residueName="UNL", residueNumber=1, isHeteroAtom=True))
     return Chem.MolToPDBBlock(rd, flavor=ALL_BONDS)
 
 
