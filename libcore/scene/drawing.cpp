@@ -1,10 +1,12 @@
 #include "libcore/scene/drawing.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 #include <numbers>
+#include <string_view>
 
 #include "libcore/grid/vec3.hpp"
 #include "libcore/scene/legend.hpp"
@@ -15,7 +17,37 @@ namespace hapgrid {
 namespace {
 
 constexpr std::size_t kMostSpheres = 4096;
-constexpr float kPart = 0.6F;  // of the sum of two radii
+constexpr float kNever = 1e6F;
+constexpr float kPart = 0.6F;   // of the sum of two radii
+constexpr float kNear = 1.25F;  // of the sum of two covalent radii
+
+struct Element {
+  std::string_view symbol;
+  float radius;  // covalent, angstrom
+};
+constexpr std::array kElements = std::to_array<Element>({{"H", 0.31F},
+                                                         {"B", 0.84F},
+                                                         {"C", 0.76F},
+                                                         {"N", 0.71F},
+                                                         {"O", 0.66F},
+                                                         {"F", 0.57F},
+                                                         {"Si", 1.11F},
+                                                         {"P", 1.07F},
+                                                         {"S", 1.05F},
+                                                         {"Cl", 1.02F},
+                                                         {"Ge", 1.20F},
+                                                         {"As", 1.19F},
+                                                         {"Se", 1.20F},
+                                                         {"Br", 1.20F},
+                                                         {"I", 1.39F}});
+
+/// Half of the distance below which two spheres are joined: first two atoms, then two others.
+std::array<float, 2> reach_of(const Scene& scene, const Sphere& sphere) {
+  if (scene.length_unit == "angstrom")
+    for (const Element& element : kElements)
+      if (element.symbol == sphere.label) return {kNear * element.radius, -kNever};
+  return {-kNever, kPart * sphere.radius};
+}
 
 }  // namespace
 
@@ -23,14 +55,17 @@ std::vector<std::array<std::uint32_t, 2>> find_bonds(const Scene& scene, const F
   std::vector<std::array<std::uint32_t, 2>> bonds;
   const auto count = static_cast<std::uint32_t>(scene.spheres.size());
   if (count > kMostSpheres) return bonds;
+  std::vector<std::array<float, 2>> reaches;
+  for (const Sphere& sphere : scene.spheres) reaches.push_back(reach_of(scene, sphere));
   for (std::uint32_t i = 0; i < count; ++i) {
     const float* a = frame.centres.data() + 3 * i;
     for (std::uint32_t j = i + 1; j < count; ++j) {
       const float* b = frame.centres.data() + 3 * j;
-      const float reach = kPart * (scene.spheres[i].radius + scene.spheres[j].radius);
+      const float reach = std::max(reaches[i][0] + reaches[j][0], reaches[i][1] + reaches[j][1]);
       float square = 0;
       for (int k = 0; k < 3; ++k) square += (a[k] - b[k]) * (a[k] - b[k]);
-      if (square < reach * reach) bonds.push_back({i, j});  // false for what is not finite
+      if (reach > 0 && square < reach * reach)
+        bonds.push_back({i, j});  // false for what is not finite
     }
   }
   return bonds;
@@ -151,14 +186,17 @@ void add_depths(const Scene& scene, const Projection& project, Drawing& all) {
   all.floor = {{{from[0], from[1]}, {right[0], right[1]}, {back[0], back[1]}}};
 }
 
-/// As many balls that stand close together, each half in the colour of its end.
+/// As many balls that stand close together, each half in the colour of its end. part: of the
+/// spheres' radii that is drawn.
 void add_stick(const Scene& scene, const Frame& frame, const std::array<std::uint32_t, 2>& bond,
-               const Projection& project, std::vector<Ball>& balls) {
+               double part, const Projection& project, std::vector<Ball>& balls) {
   const std::array ends{sphere_centre(frame, bond[0]), sphere_centre(frame, bond[1])};
-  const double radius =
-      kStickPart * std::min(scene.spheres[bond[0]].radius, scene.spheres[bond[1]].radius);
+  const double one = part * scene.spheres[bond[0]].radius,
+               other = part * scene.spheres[bond[1]].radius;
   const double length =
       std::hypot(ends[1][0] - ends[0][0], ends[1][1] - ends[0][1], ends[1][2] - ends[0][2]);
+  if (length < one + other) return;  // nothing of it is seen
+  const double radius = kStickPart / kBallPart * std::min(one, other);
   // A 16th of a radius apart they look like one thing: the notches are a 2000th of it deep.
   const int steps = 1 + static_cast<int>(std::min(16 * length / radius, 4000.0));
   for (int i = 0; i <= steps; ++i)
@@ -258,9 +296,8 @@ Drawing draw(const Scene& scene, const Frame& frame, const Camera& camera,
   }
   all.spheres = all.balls.size();
   if (options.box) add_depths(scene, project, all);
-  if (options.sticks)
-    for (const auto& bond : find_bonds(scene, frame))
-      add_stick(scene, frame, bond, project, all.balls);
+  for (const auto& bond : find_bonds(scene, frame))
+    add_stick(scene, frame, bond, part, project, all.balls);
   if (options.box)
     for (int c = 0; c < 8; ++c)
       for (int axis = 0; axis < 3; ++axis)

@@ -14,13 +14,14 @@ namespace hapgrid {
 
 // Finds the spheres of a picture that sticks join.
 //
-// A model's shape is a list of spheres without bonds. As in molecular viewers, two spheres are
-// joined if they overlap deeply.
+// A model's shape is a list of spheres without bonds. As in molecular viewers, two atoms are joined
+// if they are near each other, and two other spheres if they overlap deeply.
 
-/// Pairs i < j of spheres whose distance is below 0.6 of the sum of their radii, ascending. With
-/// van der Waals radii that tells bonds from neighbours of neighbours. There are none among more
-/// than 4,096 spheres, because each frame compares all pairs. Source: the same rule and factor as
-/// VMD's (User's Guide, "DynamicBonds" and "Bonds").
+/// Pairs i < j of spheres, ascending: of atoms, which are spheres with an element's symbol in a
+/// model in angstrom, those whose distance is below 1.25 of the sum of their covalent radii
+/// (B. Cordero et al., Dalton Trans. 2832, 2008); of others those whose distance is below 0.6 of
+/// the sum of their radii. There are none among more than 4,096 spheres, because each frame
+/// compares all pairs.
 std::vector<std::array<std::uint32_t, 2>> find_bonds(const Scene& scene, const Frame& frame);
 
 /// A parallel projection. At azimuth and elevation 0 it looks along +y: x points right, and z up. A
@@ -73,6 +74,8 @@ struct RenderOptions {
 };
 
 /// Parts of the radius of a sphere, and of the smaller of two, in the style of balls and sticks.
+/// Whole spheres that are joined and leave a gap have sticks between them that are as thick beside
+/// them.
 inline constexpr double kBallPart = 0.25;
 inline constexpr double kStickPart = 0.12;
 

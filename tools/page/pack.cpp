@@ -178,6 +178,7 @@ void append_columns(std::string& out, const Grid& grid, const RecordFields& fiel
 std::string packed_bytes(const Grid& grid, const RecordFields& fields, std::optional<double> lowest,
                          const Scene& scene, Shapes& shapes, const std::vector<double>& own) {
   PackedHead head{};
+  write_text(scene.length_unit, head.length_unit);
   for (int a = 0; a < 3; ++a) {
     head.origin[a] = scene.box.origin[a];
     head.counts[a] = scene.box.counts[a];
@@ -198,7 +199,9 @@ std::string packed_bytes(const Grid& grid, const RecordFields& fields, std::opti
   append(out, head);
   for (std::size_t k = 0; k < shapes.spheres; ++k) {
     const float* const x = shapes.centres.data() + 3 * k;
-    append(out, PackedSphere{scene.spheres[k].radius, {x[0], x[1], x[2]}, shapes.moves[k]});
+    PackedSphere sphere{{}, scene.spheres[k].radius, {x[0], x[1], x[2]}, shapes.moves[k]};
+    write_text(scene.spheres[k].label, sphere.label);
+    append(out, sphere);
   }
   for (const Torsion& torsion : scene.torsions) append(out, torsion.spheres);
   append_columns(out, grid, fields, lowest.value_or(0), head, shapes, own);

@@ -12,7 +12,10 @@
 // interpolates states.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "libcore/follow/record_fields.hpp"
@@ -21,6 +24,7 @@
 namespace hapgrid {
 
 struct PackedHead {
+  char length_unit[16];
   double origin[3];
   double spacing;
   double shape_low;      ///< of the coordinates of spheres that move,
@@ -35,6 +39,7 @@ struct PackedHead {
   std::uint32_t has_own;    ///< the model has an energy of its own
 };
 struct PackedSphere {
+  char label[8];
   float radius;
   float centre[3];  ///< where it does not move
   std::uint32_t moves;
@@ -44,6 +49,16 @@ struct PackedSphere {
 // the energy above the lowest in newtons times the spacing (float), the force along x, y
 // and z (float), the model's own energy in its unit, if it has one (float), and x y z of each
 // sphere that moves (2).
+
+/// As much of a text as there is room for, up to a NUL.
+template <std::size_t N>
+void write_text(const std::string& text, char (&room)[N]) {
+  text.copy(room, N - 1);
+}
+template <std::size_t N>
+std::string text_of(const char (&room)[N]) {
+  return {room, std::find(room, room + N - 1, '\0')};
+}
 
 struct UnpackedGrid {
   Grid grid;

@@ -68,13 +68,14 @@ UnpackedGrid unpack_grid(const unsigned char* from) {
   spec.stored.shape = true;
   Scene scene;
   scene.box = spec.box;
+  scene.length_unit = text_of(head.length_unit);
   scene.hip_radius = head.hip_radius;
   scene.largest_force = head.largest_force;
   std::vector<float> centres;
   std::vector<std::uint32_t> moved;
   for (std::uint32_t k = 0; k < head.spheres; ++k) {
     const auto sphere = read_one<PackedSphere>(from);
-    scene.spheres.emplace_back().radius = sphere.radius;
+    scene.spheres.push_back({.radius = sphere.radius, .label = text_of(sphere.label)});
     for (std::uint32_t a = 0; a < 3; ++a) {
       centres.push_back(sphere.centre[a]);
       if (sphere.moves != 0) moved.push_back(3 * k + a);

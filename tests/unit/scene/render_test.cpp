@@ -253,6 +253,30 @@ TEST_CASE("balls and sticks") {
   CHECK(find_bonds(stage.scene, stage.frame).empty());
 }
 
+TEST_CASE("atoms have the bonds of their elements, and sticks where their balls leave a gap") {
+  Stage stage;
+  stage.options.hip = false;
+  stage.scene.length_unit = "angstrom";
+  // Methanol's C and O, 1.43 apart, and two hydrogens of the methyl group, 1.78 apart; however
+  // small the spheres are.
+  const std::vector<std::pair<const char*, std::array<float, 3>>> atoms{
+      {"C", {-0.7F, 0, 0}},
+      {"O", {0.73F, 0, 0}},
+      {"H", {-1.06F, 0.89F, 0.5F}},
+      {"H", {-1.06F, -0.89F, 0.5F}}};
+  for (const auto& [symbol, at] : atoms) {
+    stage.add(at[0], at[1], at[2], 0.3F, {1, 0, 0});
+    stage.scene.spheres.back().label = symbol;
+  }
+  const std::vector<std::array<std::uint32_t, 2>> bonds{{0, 1}, {0, 2}, {0, 3}};
+  CHECK(find_bonds(stage.scene, stage.frame) == bonds);
+  stage.camera = {.azimuth_degrees = 0, .elevation_degrees = 0, .half_width = 2};
+  CHECK(reddish(stage.render().at(100, 50)));  // the middle of C and O
+  for (Sphere& sphere : stage.scene.spheres) sphere.label.clear();
+  CHECK(find_bonds(stage.scene, stage.frame).empty());
+  CHECK(stage.render().at(100, 50) == kWhite);
+}
+
 TEST_CASE(
     "a torsion that has turned is named beside the model, with a line towards the dot at its "
     "bond") {

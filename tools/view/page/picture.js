@@ -55,13 +55,14 @@ function boxEdges() {
   return edges;
 }
 
-/// The halves of the sticks, each in the colour of its end.
+/// The halves of the sticks between balls that do not touch, each in the colour of its end.
 function sticksOf(frame) {
   const rods = [];
   for (const ends of frame.bonds) {
     const [from, to] = ends.map((k) => sphere(frame, k));
-    const middle = plus(from, plus(to, from, -1), 0.5);
-    const radius = data.stick_part * Math.min(...ends.map((k) => data.spheres[k][0]));
+    const middle = plus(from, plus(to, from, -1), 0.5), radii = ends.map(drawnRadius);
+    if (distance(from, to) < radii[0] + radii[1]) continue;
+    const radius = data.stick_part / data.ball_part * Math.min(...radii);
     [from, to].forEach((end, n) => rods.push(...end, radius, ...middle, radius, ...data.spheres[ends[n]].slice(1)));
   }
   return rods;
@@ -130,7 +131,7 @@ function drawPicture(frame) {
     opacity: 1, rim: 0, edge: 0, occluded: false,
   };
   const balls = places.flatMap(([k, at]) => [...at, drawnRadius(k), ...data.spheres[k].slice(1)]);
-  const rods = sticks ? sticksOf(frame) : [], arrow = arrowOf(frame);
+  const rods = sticksOf(frame), arrow = arrowOf(frame);
   const occluded = places.length > 0 && places.length <= data.most_shaded;
   gl.disable(gl.DEPTH_TEST);
   gl.disable(gl.BLEND);
