@@ -48,8 +48,8 @@ for file in $(sources libcore); do
           complain "$file: base/ has frames and digests ($path)"
         ;;
       capnp/* | kj/* | *.capnp.h)
-        [[ $folder == shard || $folder == scene || $folder == session || $file == libcore/base/message.hpp ]] ||
-          complain "$file: only shard/, scene/, session/ and base/message.hpp use $path"
+        [[ $folder == shard || $folder == scene || $folder == session || $file == libcore/base/@(message|kj_equality).hpp ]] ||
+          complain "$file: only shard/, scene/, session/, base/message.hpp and base/kj_equality.hpp use $path"
         ;;
       png.h)
         [[ $folder == scene ]] || complain "$file: only scene/ uses $path"

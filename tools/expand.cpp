@@ -42,17 +42,23 @@ struct Options {
 std::string progress_text(const Progress& progress, const GridSpec& spec, bool complete,
                           double seconds) {
   const double done = static_cast<double>(progress.frontier_done);
-  const double all = static_cast<double>(progress.frontier_conversions);
+  const double all = std::max(static_cast<double>(progress.frontier_conversions), 1.0);
   const double rate = static_cast<double>(progress.conversions) / std::max(seconds, 1e-3);
-  const std::string text = format(
-      "expand: generation {}, frontier {} records, {} of {} conversions, {}/s",
-      progress.generation.load(), short_number(static_cast<double>(progress.frontier_records)),
-      short_number(done), short_number(all), short_number(rate));
+  const double frontier = static_cast<double>(progress.frontier_records);
+  const double records = static_cast<double>(progress.records);
+  double part = done / all, whole = all;
+  if (complete) {  // as if the points that are not reached yet had as many levels as the others
+    const double expected = std::max(records, 1.0) * static_cast<double>(spec.box.points()) /
+                            std::max(static_cast<double>(progress.points), 1.0);
+    part = (records - frontier * (1 - done / all)) / expected;
+    whole = kDirections * expected;
+  }
+  const std::string begin = "expand: " + part_done(part, rate / whole);
   if (complete)
-    return format("{}, {} records for {} points", text,
-                  short_number(static_cast<double>(progress.records)),
-                  short_number(static_cast<double>(spec.box.points())));
-  return rate > 0 ? format("{}, {} s left", text, short_number((all - done) / rate)) : text;
+    return format("{}, generation {}, {} records found, {} conversions/s", begin,
+                  progress.generation.load(), short_number(records), short_number(rate));
+  return format("{}, {} of {} conversions, {}/s", begin, short_number(done), short_number(all),
+                short_number(rate));
 }
 
 /// Tells of the file that keeps what is found. A line of progress would be in the way.

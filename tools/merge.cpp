@@ -47,9 +47,10 @@ std::uint32_t write_merged(const std::vector<std::string>& names, const Options&
     const double all = static_cast<double>(input.grid.conversions());
     const ProgressLine line([&](double seconds) {
       const double done = static_cast<double>(progress.conversions);
-      return format("merge: generation {}, {} of {} requests, {}/s", header.generation,
-                    short_number(done), short_number(all),
-                    short_number(done / std::max(seconds, 1e-3)));
+      const double rate = done / std::max(seconds, 1e-3);
+      return format("merge: {}, generation {}, {} of {} requests, {}/s",
+                    part_done(done / std::max(all, 1.0), rate / std::max(all, 1.0)),
+                    header.generation, short_number(done), short_number(all), short_number(rate));
     });
     merge(input, *model, out.fd(), out.name(), progress);
   }

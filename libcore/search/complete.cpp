@@ -143,8 +143,10 @@ std::vector<RecordIndex> frontier_of(const Levels& levels, RecordIndex from,
 void show(const std::vector<RecordIndex>& frontier, const Neighbourhood& neighbourhood,
           const Levels& levels, std::uint32_t generation, Progress& progress) {
   std::uint64_t conversions = 0;
-  for (const RecordIndex r : frontier)
+  for (const RecordIndex r : frontier) {
     conversions += static_cast<std::uint64_t>(std::popcount(neighbourhood.inside(levels.point(r))));
+    progress.points += levels.level(r) == 0;
+  }
   progress.generation = generation;
   progress.frontier_records = frontier.size();
   progress.frontier_done = 0;
@@ -158,6 +160,8 @@ void run_rounds(SectionHeader& header, Levels& levels, Converter& converter, Pro
   const Neighbourhood neighbourhood(header.spec.box);
   const std::size_t width = header.spec.row_size();
   std::vector<RecordIndex> frontier = frontier_of(levels, 0, header.generation);
+  for (RecordIndex r = 0; r < levels.records(); ++r)
+    progress.points += levels.level(r) == 0 && levels.generation(r) != header.generation;
   while (!frontier.empty()) {
     show(frontier, neighbourhood, levels, header.generation, progress);
     ++header.generation;

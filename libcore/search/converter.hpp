@@ -25,6 +25,7 @@ struct Progress {
   std::atomic<std::uint64_t> frontier_done{0};         ///< of these, done
   std::atomic<std::uint64_t> frontier_records{0};
   std::atomic<std::uint64_t> records{0};  ///< records of the grid so far
+  std::atomic<std::uint64_t> points{0};   ///< points that have one
   std::atomic<std::uint32_t> generation{0};
   /// Not 0 when the work must end soon. Null when nothing stops it. A signal's handler may set it.
   const std::atomic<int>* stop = nullptr;

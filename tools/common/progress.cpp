@@ -8,8 +8,10 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <system_error>
@@ -94,6 +96,16 @@ void write_progress(std::FILE* out, const std::function<std::string()>& text,
     shown = terminal;
   }
   if (shown) std::fputs("\r\033[K", out);
+}
+
+std::string part_done(double part, double rate) {
+  // What is not over is not 100 %.
+  const std::string done = format("{:.0f} %", std::floor(100 * std::clamp(part, 0.0, 0.99)));
+  if (!(rate > 0) || !(part > 0)) return done;
+  const double seconds = std::max((1 - part) / rate, 1.0);
+  if (seconds < 90) return format("{}, {:.0f} s left", done, seconds);
+  if (seconds < 5400) return format("{}, {:.0f} min left", done, seconds / 60);
+  return format("{}, {:.1f} h left", done, seconds / 3600);
 }
 
 std::string short_number(double value) {

@@ -35,6 +35,10 @@ class ProgressLine {
 void write_progress(std::FILE* out, const std::function<std::string()>& text,
                     const std::function<bool(std::chrono::milliseconds pause)>& over);
 
+/// What a line of progress begins with, as a narrow terminal cuts its end: per cent and time left.
+/// part: that is done, in [0, 1]; rate: parts a second, 0 where it is not known.
+std::string part_done(double part, double rate);
+
 /// 1234567 as "1.23 M".
 std::string short_number(double value);
 

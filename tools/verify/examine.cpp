@@ -25,8 +25,11 @@ namespace {
 /// A line that counts up to `all` while there is one to show it.
 ProgressLine progress_of(const char* row, const std::atomic<std::uint64_t>& done, std::uint64_t all,
                          const char* unit) {
-  return ProgressLine([=, &done](double) {
-    return format("verify: {}: {} of {} {}", row, done.load(), all, unit);
+  return ProgressLine([=, &done](double seconds) {
+    const double part =
+        static_cast<double>(done) / static_cast<double>(std::max<std::uint64_t>(all, 1));
+    return format("verify: {}, {}: {} of {} {}", part_done(part, part / std::max(seconds, 1e-3)),
+                  row, done.load(), all, unit);
   });
 }
 

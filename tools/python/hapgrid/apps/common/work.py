@@ -171,19 +171,20 @@ class Work:
         began = time.monotonic()
 
         def tell(done: int) -> None:
-            left = ""
+            left = f"{100 * done // total} %, " if total else ""
             if 0 < done < total:
-                left = f", about {duration((time.monotonic() - began) / done * (total - done))} left"
-            self._write_over(f"{what}: {done} of {total}{left}")
+                left += f"about {duration((time.monotonic() - began) / done * (total - done))} left, "
+            self._write_over(f"{left}{what}: {done} of {total}")
         tell(0)
         return tell
 
     def waiting(self, what: str, gone: float, expected: float | None) -> None:
         """The same for one long computation. Seconds; expected: of all of it, or None."""
-        left = f", {duration(gone)}"
+        left = f"for {duration(gone)}"
         if expected:
-            left += f", about {duration(expected - gone)} left" if expected > gone else ", longer than expected"
-        self._write_over(what + left)
+            left = (f"{100 * gone / expected:.0f} %, about {duration(expected - gone)} left" if expected > gone
+                    else f"{left}, longer than expected")
+        self._write_over(f"{left}, {what}")
 
     def _write_over(self, text: str) -> None:
         """A line that is written over, where somebody watches."""
