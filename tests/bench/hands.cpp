@@ -1,7 +1,30 @@
-// Plays a grid with simulated hands, in virtual time: the loop, rules and safety core of play.
-// README.md explains the file of the hand and the figures.
+// Plays a grid with simulated hands, in virtual time: the loop, rules and safety core of play. The
+// same command gives the same bytes on every machine. simulated.hpp has the equation of the hand.
 //
 //   bench_hands GRID HAND.toml [OPTION...]
+//
+// All keys of HAND.toml may be left out. With a unit and the default:
+//
+//   mass, damping          kg 0.1, N s/m 0: of the device's handle
+//   encoder                m, 5.5e-5: steps to which positions are rounded
+//   delay                  ticks, 0: from when a force is sent until it is in effect
+//   reach                  m, 0.1: side of the cube in which the handle moves; the longest side of
+//                          the box is mapped to it
+//   truth                  false; true: the model itself runs beside what is played, and the forces
+//                          of both are compared
+//   hand.stiffness, hand.damping   N/m 300, N s/m 1.5: of the hand
+//   hand.tremor            m, 0: amplitude on each axis, by 8, 10 and 12 Hz; people's hands have
+//                          0.05 to 0.3 mm
+//   hand.next              s, never: the hand goes on to the next level whenever this time has
+//                          passed
+//   hand.path              none: a path in the box's unit, which the hand follows once
+//   random.seed, random.sessions, random.seconds   1, 1000, 5 s: without a path the hand moves at
+//                          random, in sessions of this length
+//   random.speed, random.hold   m/s 0.1, s 1.5: mean speed of the fastest way, length of a rest
+//
+// A session begins at rest, at a place that the seed and the session's number decide. The hand goes
+// to another place in the box, straight and with least jerk, then to the next one. Before each way
+// it rests with a probability of one half. The columns of --sessions are explained in sessions.hpp.
 #include <csignal>
 #include <cstdio>
 #include <nlohmann/json.hpp>

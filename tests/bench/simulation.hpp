@@ -1,4 +1,4 @@
-// The TOML of a simulated hand; README.md describes it.
+// The TOML of a simulated hand; hands.cpp describes it.
 #pragma once
 
 #include <memory>

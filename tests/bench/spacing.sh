@@ -2,7 +2,7 @@
 # What a grid's spacing costs in the search, and what it is worth on paths that touch the molecule, for the grid alone
 # and with the model beside it (branches.cpp): a table with a row for each grid.
 #
-#   tests/bench/spacing.sh [BUILD] [MOLECULE SPACING...]        (default: build, and the table of examples/guide/feel.md)
+#   tests/bench/spacing.sh [BUILD] [MOLECULE SPACING...]        (default: build, and all grids below)
 #
 # Ethanol, glycol and 2-butanol get their definitions from `hapgrid molecule`, and SPACING is in Å. The others have
 # theirs in examples/molecule, and SPACING is the number of points along the longest side of its box. All grids of a
