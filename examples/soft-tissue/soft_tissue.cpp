@@ -118,22 +118,35 @@ class SoftTissue {
     return block_->energy(u_, Vec3(x), gradient_);
   }
 
-  /// The spheres are the nodes of the free surface, with a third of an element's edge as radius.
+  /// Balls below the nodes of the free surface, which each of them touches from inside: large
+  /// enough that together they look like one skin.
   void spheres(hapgrid_sphere* spheres) const {
-    double edge = options_.size[0] / options_.elements[0];
-    for (std::size_t a = 1; a < 3; ++a)
-      edge = std::min(edge, options_.size[a] / options_.elements[a]);
     for (std::size_t i = 0; i < block_->surface().size(); ++i)
-      spheres[i] = {static_cast<float>(edge / 3), {0.85F, 0.45F, 0.4F}, ""};
+      spheres[i] = {static_cast<float>(skin()), {0.85F, 0.45F, 0.4F}, ""};
   }
   void shape(const double* s, float* centres) const {
-    for (const std::size_t node : block_->surface())
-      for (int a = 0; a < 3; ++a)
+    for (const std::size_t node : block_->surface()) {
+      const Vec3 rest = block_->rest(node);
+      for (int a = 0; a < 3; ++a) {
+        const double half = options_.size[a] / 2, way = a < 2 ? rest[a] : rest[a] - half;
+        const double inside = std::abs(way) > half - 1e-9 * half ? std::copysign(skin(), way) : 0;
         *centres++ =
-            static_cast<float>(block_->rest(node)[a] + s[3 * node + static_cast<std::size_t>(a)]);
+            static_cast<float>(rest[a] + s[3 * node + static_cast<std::size_t>(a)] - inside);
+      }
+    }
   }
 
  private:
+  /// Radius of the balls: the least thickness that the block has, or what closes the gaps.
+  double skin() const {
+    double edge = 0, least = options_.size[2] / 2;
+    for (std::size_t a = 0; a < 3; ++a) {
+      edge = std::max(edge, options_.size[a] / options_.elements[a]);
+      least = std::min(least, options_.size[a] / 2);
+    }
+    return std::min(1.25 * edge, least);
+  }
+
   static constexpr double kPa = 1e-3;  // N/mm^2
 
   static std::vector<double> triple(hapgrid::PluginParameters& parameters, const char* key,

@@ -177,12 +177,14 @@ void EnergyTank::ramp(double before, double after, double model_energy) noexcept
 void EnergyTank::refill(double model_energy, double dt) noexcept {
   const bool is_weak = energy_ < 0 || length_of(withheld_) > 0;
   const double more = std::min(model_energy - energy_, kRefill * dt);
-  if (is_weak && length_of(drift_) <= kHolding && more > 0) energy_ += more;
+  if (is_weak && length_of(drift_) <= kHolding && more > 0 && unexplained_ < kMostRefill)
+    energy_ += more;
 }
 
 void EnergyTank::sent(const Vec3& force, std::optional<double> lost) noexcept {
   const Vec3 plain = force - lead_;
   const double mean = dot(0.5 * (plain_ + plain), way_);
+  if (lost && std::isfinite(mean - *lost)) unexplained_ += mean - *lost;
   // What is not a number gives nothing back.
   if (const double more = lost ? charged_ - mean - std::abs(mean - *lost) : 0; more > 0)
     energy_ += more;

@@ -15,7 +15,8 @@
 // - Paying. Before a force is sent, the tank must cover what it would cost to let go of it at the
 //   slew limit while the hand runs along. So zero can always be reached, and it is paid for.
 // - Refill. The interpolated energy jumps where corners change, and a hand that came over a jump
-//   may lack it. While its force is weak and it holds, kRefill is added, up to the model's energy.
+//   may lack it. While its force is weak and it holds, kRefill is added, up to the model's energy,
+//   unless its forces have done more than the energy says.
 //
 // For any sequence of forces, the energy returned is at most the sum of: what was granted;
 // kTankSlack; the reserve; kRefill while a weak force is held; and what forces that the model's
@@ -44,6 +45,10 @@ inline constexpr double kTankSlack = 3e-5;
 /// A hand holds that drifts by less m/s; a faster one that circles over a jump would be paid each
 /// time (dichloroethane). It gets so many watts, what 4 N s/m take of a tremble of 0.3 mm at 10 Hz.
 inline constexpr double kHolding = 0.01, kRefill = 2e-3;
+/// Joules that the mean of the forces may have done beyond what the model's energy lost; then
+/// nothing is refilled. A hand that rests where forces have no energy, in a torn cell, would get
+/// back kRefill for as long as it rests.
+inline constexpr double kMostRefill = 1e-4;
 /// The largest part by which the lead weakens a force; a hand notices 5 to 10 % (Pang, Tan and
 /// Durlach 1991). On the way in it is not limited, which alone is enough where the delay is 0.
 inline constexpr double kMostLead = 0.05;
@@ -113,8 +118,9 @@ class EnergyTank {
   Vec3 withheld_{0, 0, 0};
   Vec3 lead_{0, 0, 0}, plain_{0, 0, 0};  // lead of this tick; the last force without its lead
   std::optional<Vec3> place_;
-  Vec3 way_{0, 0, 0};   // of the last move
-  double charged_ = 0;  // for it
+  Vec3 way_{0, 0, 0};       // of the last move
+  double charged_ = 0;      // for it
+  double unexplained_ = 0;  // J that the mean of the forces did beyond the model's energy
   // The last places, and when: enough for the window at 30 kHz.
   static constexpr std::uint32_t kPlaces = 64;
   std::array<std::pair<Vec3, double>, kPlaces> places_{};

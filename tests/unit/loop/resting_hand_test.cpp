@@ -82,6 +82,29 @@ TEST_CASE("a hand that circles gets nothing of what a model claims to hold") {
   CHECK(given <= kTankSlack + 5e-4 + 0.1 * kRefill);
 }
 
+TEST_CASE("a hand that holds gets no more from forces that have no energy than was stated") {
+  // 1 mm around a place at 5 mm/s, which is a hold; 0.5 N push it along, of an energy that does not
+  // change: 2.5 mW, of which refills alone would give 2 mW.
+  constexpr double kOmega = 5;
+  SafetyCore safety(only_tank());
+  double given = 0;
+  Vec3 before{0.001, 0, 0}, sent = kZero;
+  for (int i = 0; i < 5000; ++i) {
+    const double turned = kOmega * i * 0.001;
+    const Vec3 x{0.001 * std::cos(turned), 0.001 * std::sin(turned), 0};
+    given += dot(sent, x - before);
+    before = x;
+    sent = safety
+               .apply({.force = {-0.5 * std::sin(turned), 0.5 * std::cos(turned), 0},
+                       .place = x,
+                       .model_energy = i == 0 ? std::nullopt : std::optional(0.01),
+                       .account = i == 0 ? std::nullopt : std::optional(0.01)})
+               .force;
+  }
+  // A tick's work more, since it is known when it is over.
+  CHECK(given <= kTankSlack + 5e-4 + kMostRefill + 0.5 * 0.001 * kOmega * 0.001);
+}
+
 TEST_CASE("in a contact the full force is there a second after the start and after a fault") {
   // A wall of 300 N/m, and a hand of as much whose point is 5 mm inside: 0.75 N. It waits there, or
   // comes there from outside while the ramp rises.
