@@ -84,7 +84,7 @@ assert len(strong) > 80 and max(strong) > 39000, (len(strong), max(strong))
 assert words[:4] == [["set", "96", "65535"], "upload 0 rumble 0 0 250".split(), "upload 1 rumble 0 65535 60".split(),
                      ["play", "0", "1"]], words[:4]
 snaps = [i for i, w in enumerate(words) if w == ["play", "1", "1"]]
-assert len(snaps) == 1 and any("snapped in 1 ticks" in line for line in parts["gamepad"]), snaps
+assert len(snaps) == 1 and any("snapped in 1 tick" in line for line in parts["gamepad"]), snaps
 before = int([w for w in words[:snaps[0]] if w[0] == "upload"][-1][3])
 assert before > 39000, words[snaps[0] - 3:snaps[0]]
 # The slew limit leaves a rest of the force for one tick more, whose turn it can be: much, if little time has passed.

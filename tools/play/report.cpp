@@ -79,14 +79,20 @@ double answer_delay_ticks(const RunFacts& facts) {
   return std::max(0.0, std::ceil(periods) - 1);
 }
 
+std::string counted(std::uint64_t number, const char* what) {
+  const std::string_view one = what;
+  return format("{} {}{}", number, one, number == 1 ? "" : one.ends_with("ch") ? "es" : "s");
+}
+
 void print_summary(const LoopSummary& s, const RunFacts& facts) {
   std::string text = format(
-      "play: {} ticks, {} cell switches: {} face, {} edge, {} vertex; {} in {} ticks\n"
+      "play: {}, {}: {} face, {} edge, {} vertex; {} in {}\n"
       "play: ticks outside the box {}, with a jump split {}, lagging behind a jump {}\n",
-      s.ticks, s.face_switches + s.edge_switches + s.vertex_switches, s.face_switches,
-      s.edge_switches, s.vertex_switches,
-      facts.traversal == "branch" ? "the state snapped" : "levels changed", s.level_changed,
-      s.outside, s.split, s.lagging);
+      counted(s.ticks, "tick"),
+      counted(s.face_switches + s.edge_switches + s.vertex_switches, "cell switch"),
+      s.face_switches, s.edge_switches, s.vertex_switches,
+      facts.traversal == "branch" ? "the state snapped" : "levels changed",
+      counted(s.level_changed, "tick"), s.outside, s.split, s.lagging);
   if (s.outside == s.ticks && s.ticks > 0)
     text += "play: the whole way was outside of the grid's box: nothing was felt\n";
   std::string acted;
@@ -102,9 +108,9 @@ void print_summary(const LoopSummary& s, const RunFacts& facts) {
         "force acts late, set safety.delay = {:g} in the file of --config\n",
         1e-6 * static_cast<double>(facts.answers->quantile(kLateShare)), ticks);
   if (facts.rate_hz > 0)
-    text += format(
-        "play: ticks missed at {:g} Hz: {}, in {} overruns\nplay: lateness {}; computing {}\n",
-        facts.rate_hz, s.missed, s.overruns, quantiles_text(s.lateness), quantiles_text(s.compute));
+    text += format("play: ticks missed at {:g} Hz: {}, in {}\nplay: lateness {}; computing {}\n",
+                   facts.rate_hz, s.missed, counted(s.overruns, "overrun"),
+                   quantiles_text(s.lateness), quantiles_text(s.compute));
   std::fputs(text.c_str(), stderr);
 }
 

@@ -31,9 +31,9 @@ seed "$ball" | expand --complete -o built.grid
 cmp installed.grid built.grid
 # The commands in Python have their parts there, too.
 if /usr/bin/python3 -c 'import numpy' 2>/dev/null; then
-  same "usage" 'usage: hapgrid molecule (FILE | --smiles SMILES) -o DIR [options]' "$("$hapgrid" molecule --help | head -n 1)"
-  same "usage" 'usage: hapgrid table FILE -o DIR [options]' "$("$hapgrid" table --help | head -n 1)"
-  same "usage" 'usage: hapgrid dock HOST LIGAND -o DIR [options]' "$("$hapgrid" dock --help | head -n 1)"
+  same "usage" 'Usage: hapgrid molecule (FILE | --smiles SMILES) -o DIR [OPTION...]' "$("$hapgrid" molecule --help | head -n 1)"
+  same "usage" 'Usage: hapgrid table FILE -o DIR [OPTION...]' "$("$hapgrid" table --help | head -n 1)"
+  same "usage" 'Usage: hapgrid dock HOST LIGAND -o DIR [OPTION...]' "$("$hapgrid" dock --help | head -n 1)"
 fi
 # In an environment of Python's its own Python starts them.
 touch "$moved${prefix#root}/pyvenv.cfg"

@@ -62,7 +62,7 @@ lines = open("paced.summary").read().splitlines()
 assert re.match(r"play: path at 1000 Hz; real time: ", lines[0]), lines
 check(paced, lines[1:])
 assert paced["rate_hz"] == 1000 and paced["ticks"] == 300 and paced["lateness"]["max_us"] > 0
-assert lines[4] == f"play: ticks missed at 1000 Hz: {paced['missed']}, in {paced['overruns']} overruns", lines
+assert lines[4] == f"play: ticks missed at 1000 Hz: {paced['missed']}, in {paced['overruns']} overrun{'s' * (paced['overruns'] != 1)}", lines
 PYTHON
 
 # A quarter of a second each of loop and kernel for each rate; no device, no grid.

@@ -8,6 +8,8 @@ import sys
 from collections.abc import Sequence
 from typing import NoReturn
 
+from hapgrid.apps.common.cli import formatter
+
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # its threads would only wait
 
 ABOUT = """\
@@ -56,7 +58,7 @@ class Parser(argparse.ArgumentParser):
 
 def arguments(words: Sequence[str]) -> argparse.Namespace:
     parser = Parser(prog="plot", usage="hapgrid plot PICTURE FILE... -o FILE [OPTION...]", description=ABOUT, epilog=KINDS,
-                    allow_abbrev=False, add_help=False, formatter_class=lambda prog: argparse.RawDescriptionHelpFormatter(prog, width=80))
+                    allow_abbrev=False, add_help=False, formatter_class=formatter)
     parser.add_argument("picture", choices=["slice", "field", "columns", "session", "error"], help=argparse.SUPPRESS)
     parser.add_argument("files", metavar="FILE", nargs="+", help=argparse.SUPPRESS)
     parser.add_argument("-o", "--output", metavar="FILE", help="picture to write ('-': a PNG to standard output)")

@@ -56,8 +56,14 @@ def folder(text: str) -> str:
     return text
 
 
+class Help(argparse.RawDescriptionHelpFormatter):
+    """As the filters have it."""
+    def add_usage(self, usage: Any, actions: Any, groups: Any, prefix: str | None = None) -> None:
+        super().add_usage(usage, actions, groups, "Usage: ")
+
+
 def formatter(prog: str) -> argparse.HelpFormatter:
-    return argparse.RawDescriptionHelpFormatter(prog, width=80)
+    return Help(prog, width=80)
 
 
 def number(low: float, high: float, kind: Callable[[str], Any] = float) -> Callable[[str], Any]:

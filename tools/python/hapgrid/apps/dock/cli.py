@@ -56,7 +56,7 @@ def three(low: float, high: float) -> Callable[[str], list[float]]:
 
 def parser() -> Parser:
     p = Parser(prog="hapgrid dock", description=ABOUT, epilog=AFTERWARDS, formatter_class=formatter,
-               allow_abbrev=False, usage="hapgrid dock HOST LIGAND -o DIR [options]")
+               allow_abbrev=False, usage="hapgrid dock HOST LIGAND -o DIR [OPTION...]")
     p.add_argument("host", metavar="HOST", help="file of the host, or .fld of its maps")
     p.add_argument("ligand", metavar="LIGAND", help="file of the ligand, of 2 to 200 atoms")
     p.add_output("threads")

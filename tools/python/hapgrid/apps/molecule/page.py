@@ -52,7 +52,9 @@ def write(start: Start, turned: Sequence[Torsion], ways: Sequence[str]) -> list[
     log = read_log(folder.read("played.log"))
     x, y = (log[a] - log[a][0] for a in "xy")
     far = int((x**2 + y**2).argmax())
-    azimuth = f"{np.degrees(np.arctan2(y[far], x[far])):.0f}"  # from which the probe comes from the left
+    azimuth = np.arctan2(y[far], x[far])  # from here or from behind, the hand moves across the picture
+    side = sum(np.mean(log[a]) * part for a, part in (("x", np.sin(azimuth)), ("y", -np.cos(azimuth))))
+    azimuth = f"{np.degrees(azimuth) + (180 if side < 0 else 0):.0f}"  # the one to which the hand is nearer
     run("view", "played.frames", "--azimuth", azimuth, "--elevation", "10", "--html", "played.html")
     felt = folder.feel_page(f"{folder.name()}.grid")
     folder.write("index.html", page(start, turned, ways, felt))

@@ -61,7 +61,7 @@ def three(text: str) -> list[float]:
 
 def parser() -> Parser:
     p = Parser(prog="hapgrid table", description=ABOUT, epilog=AFTERWARDS, formatter_class=formatter,
-               allow_abbrev=False, usage="hapgrid table FILE -o DIR [options]")
+               allow_abbrev=False, usage="hapgrid table FILE -o DIR [OPTION...]")
     p.add_argument("file", metavar="FILE", help="table, of one of the formats above")
     p.add_output("threads")
     p.add_argument("--force", type=number(0.01, 100), metavar="N", default=3.0,
