@@ -2,3 +2,15 @@
 source "$(dirname "$0")/../lib.sh"
 source "$here/xtb.bash"
 PYTHONPATH=$HAPGRID_BUILD/python /usr/bin/python3 "$here/chemistry.py" || fail "see above"
+
+# A flat nitrogen becomes a pyramid to either side as its bond turns: of the two saddles the path leads over the lower one.
+# The other ones have 83.7 and 113.8 kJ/mol.
+while read -r smiles lowest; do
+  hapgrid molecule --smiles "$smiles" -o a --until structures --quiet >line 2>&1 || fail "$(cat line)"
+  within "$smiles" "$(awk '$2 == "path" { print $3 }' a/report.tsv)" "$lowest" "$lowest"
+  turning_points a/*-*.xyz a/conformation.xyz
+  rm -r a
+done <<END
+NC=O 72.20
+NN=O 113.53
+END

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -166,7 +167,18 @@ class Search:
     def driven_over(self, minimum: Point, torsion: torsions.Torsion, sign: int) -> Ends:
         """The Ends of the first saddle on the way of a torsion from a minimum, on whose side the near one is."""
         left = self.start.options.highest / HARTREE - (minimum.energy - self.energy)
-        return self.ends(self.climbed(*torsions.scan(self.surface, minimum, torsion, sign, highest=left)), minimum.x)
+        first = self.climbed(*torsions.scan(self.surface, minimum, torsion, sign, highest=left))
+        lower = []
+        for guess in torsions.inverted(self.surface, minimum.x, first.x, torsion, self.molecule.neighbours):
+            with suppress(optimise.NoPath):
+                lower.append(self.climbed(*guess))
+        for one in sorted(lower, key=lambda one: one.energy):
+            if (first.energy - one.energy) * HARTREE > SAME_ENERGY:
+                with suppress(optimise.NoPath):
+                    ends = self.ends(one, minimum.x)
+                    if self.same(ends.near.x, minimum.x) and not self.same(ends.far.x, minimum.x):
+                        return ends
+        return self.ends(first, minimum.x)
 
     def climbed(self, guess: Array, tangent: Array) -> Point:
         """The saddle near a guess. Errors: optimise.NoPath where that is none between two shapes of this molecule."""

@@ -6,8 +6,10 @@ torsions lead to no saddle from a given minimum; their scans only climb.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from hapgrid.apps.common.arrays import Array, Neighbours, Shapes
@@ -19,6 +21,10 @@ from .xtb import HARTREE, Potential
 LEAST_BARRIER = 0.1  # kJ/mol; a lower one is not told from noise, and no hand feels it
 LEAST_TURN = np.radians(10)  # of a torsion, or the path turns none
 STIFFNESS = 0.5  # of the restraint, hartree/rad^2: ten times that of the stiffest torsion
+Atoms: TypeAlias = tuple[int, int, int, int]
+# How far an atom is from the plane of its neighbours, bohr: one that is nearer is flat (0.7 in ammonia), and one that is farther
+# is a pyramid.
+FLAT, PYRAMID = 0.3, 0.3
 
 
 @dataclass(frozen=True)
@@ -53,6 +59,23 @@ def make(numbers: Sequence[int], neighbours: Neighbours, i: int | None, j: int, 
     return Torsion("", (i, j, k, l), tuple(moved), (1,) if rotor else (1, -1), rotor)
 
 
+def _held_at(surface: Potential, targets: Mapping[Atoms, float]) -> Callable[[Array], tuple[float, Array]]:
+    """(energy, gradient) of shapes whose torsions springs hold near angles."""
+    def restrained(y: Array) -> tuple[float, Array]:
+        energy, gradient = surface(y)
+        for atoms, target in targets.items():
+            off = geometry.wrapped(geometry.torsion(y, *atoms) - target)
+            energy, gradient = (energy + STIFFNESS * off * off / 2, gradient + STIFFNESS * off * geometry.torsion_gradient(y, *atoms))
+        return energy, gradient
+    return restrained
+
+
+def _bend(x: Array, held: Iterable[Atoms]) -> Array:
+    """The springs' part of the Hessian, near their targets."""
+    slopes = np.array([geometry.torsion_gradient(x, *atoms).ravel() for atoms in held])
+    return STIFFNESS * slopes.T @ slopes
+
+
 def scan(surface: Potential, minimum: Point, torsion: Torsion, sign: int, *, step: float = np.radians(10),
          highest: float = 150 / HARTREE) -> tuple[Array, Array]:
     """The first barrier as a guess of a saddle: (shape, tangent).
@@ -60,10 +83,6 @@ def scan(surface: Potential, minimum: Point, torsion: Torsion, sign: int, *, ste
     The torsion is turned in steps from the minimum while all else relaxes. The highest shape is taken when the energy has
     fallen after it. step: radians; highest: hartree above the minimum.
     """
-    def bend(x: Array) -> Array:
-        """The restraint's part of the Hessian, near its target."""
-        b = geometry.torsion_gradient(x, *torsion.atoms).ravel()
-        return STIFFNESS * np.outer(b, b)
     x, hessian = minimum.x, minimum.hessian
     start = surface.energy(x)
     shapes, energies = [x], [start]
@@ -71,19 +90,14 @@ def scan(surface: Potential, minimum: Point, torsion: Torsion, sign: int, *, ste
     # Two steps more than half a turn: from trans the barrier can be exactly at cis.
     for count in range(1, round(np.pi / step) + 3):
         turned = torsion.turned(shapes[-1], sign * step)
-
-        def restrained(y: Array, target: float = angle + sign * step * count) -> tuple[float, Array]:
-            energy, gradient = surface(y)
-            off = geometry.wrapped(geometry.torsion(y, *torsion.atoms) - target)
-            return (energy + STIFFNESS * off * off / 2,
-                    gradient + STIFFNESS * off * geometry.torsion_gradient(y, *torsion.atoms))
+        restrained = _held_at(surface, {torsion.atoms: angle + sign * step * count})
         try:
-            y, _, hessian = optimise.search(restrained, turned, hessian + bend(turned), tolerance=3e-4, steps=200,
+            y, _, hessian = optimise.search(restrained, turned, hessian + _bend(turned, [torsion.atoms]), tolerance=3e-4, steps=200,
                                             noise=surface.noise)
         except optimise.NotConverged:
             turn = np.degrees(sign * step * count)
             raise optimise.NoPath(f"the scan did not relax at {turn:+.0f} degrees") from None
-        hessian = hessian - bend(y)
+        hessian = hessian - _bend(y, [torsion.atoms])
         shapes.append(y)
         energies.append(surface.energy(y))
         top = int(np.argmax(energies))
@@ -96,6 +110,36 @@ def scan(surface: Potential, minimum: Point, torsion: Torsion, sign: int, *, ste
                                    "the grid has it at rest")
     raise optimise.NoPath(f"no barrier within half a turn, at whose end the energy is {HARTREE * (energies[-1] - start):.1f} "
                           "kJ/mol")
+
+
+def height(x: Array, neighbours: Neighbours, at: int) -> float:
+    """How far an atom is from the plane of its three neighbours, bohr, with a sign."""
+    a, b, c = x[neighbours[at]]
+    normal = np.cross(b - a, c - a)
+    return float((x[at] - a) @ normal / np.linalg.norm(normal))
+
+
+def inverted(surface: Potential, flat: Array, top: Array, torsion: Torsion,
+             neighbours: Neighbours) -> Iterator[tuple[Array, Array]]:
+    """Guesses of other saddles, as those of scan(). An atom of the bond that is flat in the minimum, as an amide's nitrogen,
+    becomes a pyramid on the way: to either side of it there is a saddle, and the scans in both directions lead to mirror
+    images of one of them. flat: the minimum; top: a saddle."""
+    i, j, k, l = torsion.atoms
+    for at, other in ((j, k), (k, j)):
+        if len(neighbours[at]) != 3 or abs(height(flat, neighbours, at)) > FLAT or abs(height(top, neighbours, at)) < PYRAMID:
+            continue
+        a, b, c = top[neighbours[at]]
+        normal = np.cross(b - a, c - a)
+        x = top.copy()
+        x[at] -= 2 * height(top, neighbours, at) * normal / np.linalg.norm(normal)
+        # Both bonds that leave it are held: with one alone it would become flat, and the bond would turn back.
+        ends = [n for n in neighbours[at] if n != other]
+        held: list[Atoms] = [(n, j, k, l) if at == j else (i, j, k, n) for n in ends]
+        restrained = _held_at(surface, {atoms: geometry.torsion(x, *atoms) for atoms in held})
+        with suppress(optimise.NotConverged):
+            x, *_ = optimise.search(restrained, x, surface.hessian(x) + _bend(x, held), tolerance=3e-4, steps=200,
+                                    noise=surface.noise)
+            yield x, (torsion.turned(x, LEAST_TURN) - x).ravel()
 
 
 def turned(torsions: Sequence[Torsion], shapes: Shapes) -> tuple[Array, Array]:
