@@ -14,3 +14,7 @@ done <<END
 NC=O 72.20
 NN=O 113.53
 END
+
+# What is behind an alkyne turns against what is before it, though it bends on the way.
+hapgrid molecule --smiles OC#CO -o diol --until definition --quiet >said 2>&1 || fail "$(cat said)"
+grep -qP '^H5-O1-O4-H6\t.*\tyes\t' diol/rotors.tsv || fail "$(cat diol/rotors.tsv)"

@@ -163,3 +163,28 @@ TEST_CASE("one frame is enough for a path: the way there is straight in internal
   const double middle = torsion(shape_at(morph, {0.5}), 0, 1, 2, 3);
   CHECK(std::abs(std::remainder(2 * middle - from - to, 2 * M_PI)) < 1e-9);
 }
+
+TEST_CASE("a torsion about a line turns evenly, also where the line bends to the other side") {
+  // But-2-yne. A line's middle atoms go from one side of it to the other.
+  const auto butyne = [](double turned, double aside) {
+    std::string out = "10\ndE=" + std::to_string(turned) + "\n";
+    const auto atom = [&](const char* symbol, double x, double y, double z) {
+      out += symbol + (" " + std::to_string(x)) + " " + std::to_string(y) + " " +
+             std::to_string(z) + "\n";
+    };
+    for (const double z : {-2.06, -0.6, 0.6, 2.06}) atom("C", std::abs(z) < 1 ? aside : 0, 0, z);
+    for (int h = 0; h < 6; ++h) {
+      const double angle = h * 2 * M_PI / 3 + (h < 3 ? 0 : turned);
+      atom("H", 1.02 * std::cos(angle), 1.02 * std::sin(angle), h < 3 ? -2.45 : 2.45);
+    }
+    return out;
+  };
+  const Morph morph(read_molecule(butyne(0, 0.05), {butyne(1, -0.05)}, {}));
+  const Positions middle = shape_at(morph, {0.5});
+  CHECK(torsion(middle, 4, 0, 3, 7) == Approx(0.5).margin(1e-6));
+  // The middle of the line is a mean of angles here, and 0.05 Å of both sides leave less than 1 %
+  // of that.
+  const Eigen::Vector3d axis = (middle[3] - middle[0]).normalized();
+  CHECK(axis.dot(middle[3] - middle[0]) == Approx(4.12).margin(1e-3));
+  for (const int a : {1, 2}) CHECK(axis.cross(middle[a] - middle[0]).norm() < 5e-4);
+}

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "tools/apps/molecule/elementary.hpp"
 
@@ -16,6 +17,10 @@ namespace {
 // small change of the shape would turn them by a large angle.
 constexpr double kMinSine = 0.05;
 
+// An atom with a smaller sine between its two neighbours stands on a line, as those of an alkyne
+// do.
+constexpr double kStraight = 0.35;
+
 using Neighbours = std::vector<std::vector<int>>;
 
 double sine_between(const Positions& p, int a, int b, int c) {
@@ -23,7 +28,48 @@ double sine_between(const Positions& p, int a, int b, int c) {
   return u.cross(v).norm();
 }
 
-Tree breadth_first(const Neighbours& neighbours, int root, int& depth) {
+/// The neighbours of an atom that were not seen, and behind them the atoms of each line that begins
+/// with one of them, up to the one at its end.
+std::vector<int> reached(const Neighbours& neighbours, const std::vector<bool>& straight, int from,
+                         const std::vector<bool>& seen) {
+  std::vector<int> out, behind;
+  for (const int next : neighbours[from]) {
+    if (seen[next]) continue;
+    out.push_back(next);
+    for (int before = from, at = next; straight[at];) {
+      const int after = neighbours[at][neighbours[at][0] == before ? 1 : 0];
+      if (seen[after] || after == from) break;
+      behind.push_back(after);
+      before = std::exchange(at, after);
+    }
+  }
+  for (const int atom : behind)
+    if (std::find(out.begin(), out.end(), atom) == out.end()) out.push_back(atom);
+  return out;
+}
+
+/// Whether each atom stands on a line between two that have other neighbours, somewhere on a path.
+std::vector<bool> on_lines(const Neighbours& neighbours, const Molecule& molecule) {
+  std::vector<bool> out;
+  for (std::size_t i = 0; i < neighbours.size(); ++i) {
+    const std::vector<int>& around = neighbours[i];
+    const auto straight = [&](const Positions& p) {
+      return sine_between(p, around[0], static_cast<int>(i), around[1]) < kStraight;
+    };
+    bool found = false;
+    if (around.size() == 2 && neighbours[around[0]].size() > 1 &&
+        neighbours[around[1]].size() > 1) {
+      found = straight(molecule.conformation);
+      for (const Path& path : molecule.paths)
+        found = found || std::any_of(path.nodes.begin(), path.nodes.end(), straight);
+    }
+    out.push_back(found);
+  }
+  return out;
+}
+
+Tree breadth_first(const Neighbours& neighbours, const std::vector<bool>& straight, int root,
+                   int& depth) {
   Tree tree;
   std::vector<int> level{0};
   std::vector<bool> seen(neighbours.size());
@@ -33,8 +79,7 @@ Tree breadth_first(const Neighbours& neighbours, int root, int& depth) {
   tree.first_sibling = {0};
   for (std::size_t i = 0; i < tree.order.size(); ++i) {
     const int first = static_cast<int>(tree.order.size());
-    for (const int next : neighbours[tree.order[i]]) {
-      if (seen[next]) continue;
+    for (const int next : reached(neighbours, straight, tree.order[i], seen)) {
       seen[next] = true;
       tree.order.push_back(next);
       tree.parent.push_back(static_cast<int>(i));
@@ -57,9 +102,12 @@ Tree spanning_tree(const Molecule& molecule) {
     neighbours[a].push_back(b);
     neighbours[b].push_back(a);
   }
-  // Heavy atoms come first, since the siblings follow the first child.
+  const std::vector<bool> straight = on_lines(neighbours, molecule);
+  // Heavy atoms come first, since the siblings follow the first child. Lines come last, since the
+  // root's first child spans its frame.
   for (std::vector<int>& list : neighbours)
     std::sort(list.begin(), list.end(), [&](int a, int b) {
+      if (straight[a] != straight[b]) return static_cast<bool>(straight[b]);
       const bool light_a = molecule.atoms[a]->mass < 2, light_b = molecule.atoms[b]->mass < 2;
       return light_a != light_b ? light_b : a < b;
     });
@@ -67,12 +115,12 @@ Tree spanning_tree(const Molecule& molecule) {
   int least_depth = std::numeric_limits<int>::max();
   for (std::size_t root = 0; root < neighbours.size(); ++root) {
     const std::vector<int>& around = neighbours[root];
-    if (around.size() < 2) continue;
+    if (around.size() < 2 || straight[root] || straight[around[0]]) continue;
     if (sine_between(molecule.conformation, around[0], static_cast<int>(root), around[1]) <
         kMinSine)
       continue;
     int depth = 0;
-    Tree tree = breadth_first(neighbours, static_cast<int>(root), depth);
+    Tree tree = breadth_first(neighbours, straight, static_cast<int>(root), depth);
     if (depth >= least_depth) continue;
     least_depth = depth;
     best = std::move(tree);

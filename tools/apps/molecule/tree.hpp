@@ -3,6 +3,8 @@
 // If positions were interpolated, bonds would become shorter wherever a group rotates; internal
 // coordinates keep their lengths. Every molecule has a spanning tree, also one with rings: a bond
 // that closes a ring is not in the tree, and it keeps its length as far as both ends move together.
+// Atoms on a line, as those of an alkyne, and the atom behind them are all children of the atom
+// before the line: about a line that bends to either side no torsion is defined.
 //
 // Each atom has a frame of axes, x along the bond from its parent. A child is reached by turning
 // about x by the torsion, then about z by the deflection (180° less the bond angle), and then going

@@ -5,7 +5,7 @@ Positions in bohr, arrays (atoms, 3); angles in radians.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,8 @@ from scipy.spatial.transform import Rotation
 from .elements import COVALENT
 from .xtb import BOHR
 
+LINEAR = 0.17  # a torsion about a bond with a sine of its angle below this is none
+STRAIGHT = 0.35  # the same of an atom between two others: it stands on a line, as those of an alkyne do, which bends in places
 BONDED = 1.25  # times the sum of the covalent radii: nearer atoms are bonded
 
 
@@ -122,21 +124,37 @@ def side_of(neighbours: Neighbours, j: int, k: int) -> list[int] | None:
     return None if j in side else sorted(side[1:])
 
 
+def straight(neighbours: Neighbours, x: Array) -> list[int]:
+    """The atoms that stand on a line between two that have other neighbours, as in an alkyne or in the middle of an allene."""
+    return [j for j, near in enumerate(neighbours) if len(near) == 2 and all(len(neighbours[n]) > 1 for n in near)
+            and np.sin(angle(x, near[0], j, near[1])) < STRAIGHT]
+
+
+def line(neighbours: Neighbours, on_line: Collection[int], start: int, first: int) -> list[int]:
+    """The atoms from `start` over its neighbour `first` to the end of a line of straight() atoms."""
+    out = [start, first]
+    while out[-1] in on_line:
+        out.append(next(n for n in neighbours[out[-1]] if n != out[-2]))
+    return out
+
+
 class Tree:
-    """A tree of internal coordinates: each atom has a bond, an angle and a torsion.
+    """A tree of internal coordinates: each atom has a bond, an angle and a torsion. Atoms of a line, and the one behind it, refer
+    to the atom before it: about a line that bends to either side no torsion is defined.
 
     The torsions of an atom's second and later children are relative to the first child's, so that
     turning about one bond changes one number. The molecule model interpolates such coordinates;
     here they show whether a spline through the nodes makes sense between them.
     """
 
-    def __init__(self, neighbours: Neighbours, numbers: Sequence[int]) -> None:
-        heavy = [a for a in range(len(numbers)) if len(neighbours[a]) > 1]
+    def __init__(self, neighbours: Neighbours, numbers: Sequence[int], on_line: Collection[int] = ()) -> None:
+        near = [sorted(some, key=lambda n: (n in on_line, numbers[n] == 1, n)) for some in neighbours]
+        heavy = [a for a in range(len(numbers)) if len(near[a]) > 1 and a not in on_line and near[a][0] not in on_line]
         self.root = heavy[0] if heavy else 0
         parent: dict[int, int | None] = {self.root: None}
         order = [self.root]
         for at in order:
-            for n in sorted(neighbours[at], key=lambda n: (numbers[n] == 1, n)):
+            for n in near[at] + [b for n in near[at] if n not in parent for b in line(neighbours, on_line, at, n)[2:]]:
                 if n not in parent:
                     parent[n] = at
                     order.append(n)

@@ -23,7 +23,6 @@ RESIDUE = "[NX3;!$(N=*)]-[CX4]-[CX3](=O)[N,O]"
 SULPHUR = 16
 FLIPPED = np.radians(10)  # of a ring's torsion, on both sides of a plane
 LARGELY = 0.5  # of the farthest turn: a torsion that goes so far does turn
-LINEAR = 0.17  # a torsion about a bond with a sine of its angle below this is none
 
 
 def label(numbers: Sequence[int], atom: int) -> str:
@@ -35,17 +34,33 @@ def _named(molecule: Molecule, atoms: Sequence[int]) -> str:
 
 
 def find(molecule: Molecule) -> list[Torsion]:
-    """The torsions that turn: about single bonds and amides in no ring, if their atoms do not lie on a line."""
+    """The torsions that turn: about single bonds and amides in no ring, if their atoms do not lie on a line; and about lines as
+    those of alkynes, which the atoms at their ends define."""
     near, names, out = molecule.neighbours, peptide_names(molecule), []
     for j, k in ((j, k) for j, some in enumerate(near) for k in some if j < k):
         if min(len(near[j]), len(near[k])) < 2 or (j, k) in molecule.double - set(molecule.amides):
             continue
         name, ends = names.get((j, k), (None, {}))
         one = torsions.make(molecule.numbers, near, ends.get(j), j, k, ends.get(k))
-        if one is None or any(len(near[b]) == 2 and np.sin(geometry.angle(molecule.positions, a, b, c)) < LINEAR
+        if one is None or any(len(near[b]) == 2 and np.sin(geometry.angle(molecule.positions, a, b, c)) < geometry.LINEAR
                               for a, b, c in (one.atoms[:3], one.atoms[1:])):
             continue
         out.append(replace(one, name=name or _named(molecule, one.atoms)))
+    return out + _about_lines(molecule)
+
+
+def _about_lines(molecule: Molecule) -> list[Torsion]:
+    on_line, out = geometry.straight(molecule.neighbours, molecule.positions), []
+    for j, v in ((j, v) for j, some in enumerate(molecule.neighbours) for v in some if v in on_line and j not in on_line):
+        *_, w, k = geometry.line(molecule.neighbours, on_line, j, v)
+        if k < j or len(molecule.neighbours[k]) < 2 or {_bond(j, v), _bond(w, k)} & molecule.double:
+            continue
+        near = list(molecule.neighbours)  # as if the line were one bond
+        near[j], near[k] = ([b if n == a else n for n in near[at]] for at, a, b in ((j, v, k), (k, w, j)))
+        one = torsions.make(molecule.numbers, near, None, j, k, None)
+        if one is not None and all(np.sin(geometry.angle(molecule.positions, *some)) > geometry.LINEAR
+                                   for some in (one.atoms[:3], one.atoms[1:])):
+            out.append(replace(one, name=_named(molecule, one.atoms)))
     return out
 
 

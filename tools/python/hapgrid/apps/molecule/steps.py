@@ -66,7 +66,8 @@ class Start:
 
     @cached_property
     def tree(self) -> geometry.Tree:
-        return geometry.Tree(self.molecule.neighbours, self.molecule.numbers)
+        one = self.molecule
+        return geometry.Tree(one.neighbours, one.numbers, geometry.straight(one.neighbours, one.positions))
 
     @cached_property
     def calculator(self) -> Any:
