@@ -232,8 +232,9 @@ for one in (low, Path([pair] * 4, [-1.5] * 4, 3, {1: "saddle", 3: "minimum"}, "t
         for value in wrong:
             assert refused({**kept, name: value}), (one, name, value)
 
-# One that all processes get, as from timeout, ends them, also where one waits for work.
-ASKED = """
+# One that all processes get, as from timeout, ends them, also where one waits for work; and so does one that comes when
+# processes are there, but not the threads that give them work.
+WORKS = """
 import time
 from hapgrid.apps.common import programs
 programs.catch_signals()
@@ -241,16 +242,26 @@ with programs.workers(2) as pool:
     print(flush=True)
     list(pool.imap(time.sleep, [0, 1000]))
 """
-began = subprocess.Popen([sys.executable, "-c", ASKED], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-                         start_new_session=True)
-began.stdout.readline()
-time.sleep(0.5)  # for the one that sleeps for no time
-os.killpg(began.pid, signal.SIGTERM)
-try:
-    began.wait(60)
-finally:
-    with suppress(ProcessLookupError):
-        os.killpg(began.pid, signal.SIGKILL)
+BEGINS = """
+import os, signal, threading
+from hapgrid.apps.common import programs
+programs.catch_signals()
+threading.Thread.start = lambda thread: os.kill(os.getpid(), signal.SIGTERM)
+print(flush=True)
+programs.workers(2)
+"""
+for asked in (WORKS, BEGINS):
+    began = subprocess.Popen([sys.executable, "-c", asked], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+                             start_new_session=True)
+    began.stdout.readline()
+    if asked is WORKS:
+        time.sleep(0.5)  # for the one that sleeps for no time
+        os.killpg(began.pid, signal.SIGTERM)
+    try:
+        began.wait(60)
+    finally:
+        with suppress(ProcessLookupError):
+            os.killpg(began.pid, signal.SIGKILL)
 
 # A signal that comes while processes are forked is not lost.
 programs.catch_signals()

@@ -46,3 +46,7 @@ same "paths" 2 "$(grep -cP '\tpath\t' shapes/report.tsv)"
 hapgrid molecule --push same.xyz --basins --method gfnff -o same --until structures >line 2>&1 || fail "$(cat line)"
 grep -q 'the ensemble has no other minimum than the conformation, so the bonds are turned' line || fail "$(cat line)"
 grep -qP '^Cl1-C2-C3-Cl4\tpath\t' same/report.tsv || fail "$(cat same/report.tsv)"
+
+# Two shapes of allyl fluoride, in which the hydrogens of =CH2 are numbered either way: one bond turns.
+hapgrid molecule --push "$here/allyl-fluoride.xyz" --basins -o allyl --until structures >line 2>&1 || fail "$(cat line)"
+grep -q 'frame 2: .* on which C1-C2-C3-F4 turns: saddle 7.0, minimum 0.7 kJ/mol' line || fail "$(cat line)"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import errno
 import multiprocessing.context
+import multiprocessing.popen_fork
 import os
 import shutil
 import signal
@@ -79,8 +80,13 @@ def end_with_parent() -> None:
     ctypes.CDLL(None).prctl(_PDEATHSIG, signal.SIGKILL)
 
 
+class _Popen(multiprocessing.popen_fork.Popen):
+    terminate = multiprocessing.popen_fork.Popen.kill  # which Python asks at its end, where a pool was not finished
+
+
 class _Worker(multiprocessing.context.ForkProcess):
     terminate = multiprocessing.context.ForkProcess.kill
+    _Popen = staticmethod(_Popen)
 
 
 class _Workers(multiprocessing.context.ForkContext):

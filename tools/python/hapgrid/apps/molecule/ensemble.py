@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 from hapgrid.apps.common.arrays import Array
 
-from . import geometry, optimise, path
+from . import geometry, optimise, path, torsions
 from .molecule import Molecule
 from .results import Ends, Path, Point
 from .search import Search
@@ -39,20 +39,28 @@ def minimum(search: Search, x: Array) -> Point:
 
 
 def numbered_alike(molecule: Molecule, x: Array, reference: Array) -> Array:
-    """x with equal atoms exchanged where an atom with four neighbours is the mirror image of that in the reference: programs
-    that embed shapes number the hydrogens of a CH2 group either way. Errors: optimise.NoPath, for another stereoisomer."""
+    """x with equal atoms exchanged where an atom with four neighbours is the mirror image of that in the reference, and where
+    one that is flat would have to turn by more than a right angle: programs that embed shapes number the hydrogens of CH2 and
+    NH2 either way. Errors: optimise.NoPath, for another stereoisomer."""
     x = x.copy()
     for at, near in enumerate(molecule.neighbours):
+        leaves = [a for a in near if len(molecule.neighbours[a]) == 1]
+        if len(near) == 3 and len(leaves) == 2 and len({molecule.numbers[a] for a in leaves}) == 1:
+            other = next(a for a in near if a not in leaves)
+            ends = [a for a in molecule.neighbours[other] if a != at]
+            if ends and all(abs(torsions.height(y, molecule.neighbours, at)) < torsions.FLAT for y in (x, reference)):
+                here, there = (geometry.torsion(y, leaves[0], at, other, ends[0]) for y in (x, reference))
+                if np.cos(here - there) < 0:
+                    x[leaves] = x[leaves[::-1]]
         if len(near) != 4:
             continue
         here, there = (np.linalg.det(y[near[1:]] - y[near[0]]) for y in (x, reference))
         if here * there > 0:
             continue
-        ends = [a for a in near if len(molecule.neighbours[a]) == 1]
-        pair = next(((a, b) for a in ends for b in ends if a < b and molecule.numbers[a] == molecule.numbers[b]), None)
-        if pair is None:
+        equal = next(([a, b] for a in leaves for b in leaves if a < b and molecule.numbers[a] == molecule.numbers[b]), None)
+        if equal is None:
             raise optimise.NoPath(f"another stereoisomer, at atom {at + 1}")
-        x[list(pair)] = x[list(pair[::-1])]
+        x[equal] = x[equal[::-1]]
     return x
 
 
