@@ -26,6 +26,15 @@ refuses "molecule: $path frame 11: dE= gives 1 kJ/mol above the conformation, E=
   hapgrid molecule --push "${peroxide[@]}" --until definition --quiet
 refuses 'molecule-check: .*frame 11: dE= gives 1 kJ/mol above the conformation, E= gives [0-9.]*: remove one' -- \
   molecule-check one/one.toml
+# Energies of another method in a path alone are refused. In all files they count, and the page says whose they are.
+other='s/^dE=[^ ]* //; s/E=[^ ]*/E=-151.0/'
+sed "$other" both.xyz >"$path"
+refuses "molecule: $path: its energies and that of conformation\.xyz are not of one method: the conformation itself has .*" -- \
+  hapgrid molecule --push "${peroxide[@]}" --until definition --quiet
+cp both.xyz "$path"
+sed -i -E 's/method=gfnff/method=gfnff hand/' "$path" one/conformation.xyz
+hapgrid molecule --push "${peroxide[@]}" --quiet >line 2>&1 || fail "$(cat line)"
+grep -q 'Energies<dd>the titles of the paths.* files, which were changed by hand' one/index.html || fail "the page names another method"
 
 # A program whose energies have a closed form: -1 hartree and 20 kJ/mol times the cosine of half the torsion, or the square
 # of the torsion's cosine.

@@ -18,6 +18,9 @@ from .torsions import Torsion
 from .xtb import BOHR, HARTREE
 
 REPORT = ("name", "kind", "energy_kJ_mol", "nu1_cm-1", "torsions_deg")  # heads of report.tsv
+# A node that is nearer to the conformation (bohr) is the conformation, and has its energy but for what rounding leaves. No path
+# goes higher than MOST. Both in kJ/mol.
+SAME_NODE, ITS_OWN, MOST = 1e-3, 0.5, 1e4
 NO_PATH = "# no path: "
 
 
@@ -118,4 +121,9 @@ def _path(name: str, path: str, conformation: xyz.Frame) -> Path:
         nodes, energies = [at, *nodes], [0.0, *energies]
     even = np.ones(len(at))
     away = [geometry.rms(geometry.aligned(x, at, even), at) for x in nodes]
-    return Path(nodes, energies, int(np.argmin(away)), name=name)
+    start = int(np.argmin(away))
+    rise = energies[start] * HARTREE
+    if away[start] < SAME_NODE and abs(rise) > ITS_OWN or max(energies) * HARTREE > MOST:
+        raise BadInput(f"{path}: its energies and that of conformation.xyz are not of one method: the conformation itself has "
+                       f"{rise:.6g} kJ/mol in it")
+    return Path(nodes, energies, start, name=name)

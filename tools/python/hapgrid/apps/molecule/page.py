@@ -79,6 +79,8 @@ def page(start: Start, turned: Sequence[Torsion], ways: Sequence[str], felt: lis
     one = frames(folder.path("conformation.xyz"))[0]
     words = one.words
     words.update({"method": f"the titles of {start.source}"} if words.get("method") == "given" else {})
+    if any(folder.changed_by_hand(name, "structures") for name in ("conformation.xyz", *(f"{path}.xyz" for path in taken))):
+        words["method"] = "the titles of the paths' files, which were changed by hand"
     method = re.sub("gfn2|gfnff", lambda found: METHODS[str(found[0])], words.get("method", "own energies"))
     box = json.loads(folder.run("stats", f"{name}.grid", "--format", "json").out)["box"]
     spins = start.molecule.unpaired
