@@ -57,7 +57,7 @@ examples:
 def parser() -> Parser:
     p = Parser(prog="hapgrid molecule", description=ABOUT, epilog=AFTERWARDS, formatter_class=formatter,
                allow_abbrev=False, usage="hapgrid molecule (FILE | --smiles SMILES) -o DIR [OPTION...]")
-    p.add_argument("file", metavar="FILE", nargs="?", help="file of the molecule: .sdf, .mol, .mol2, .pdb or .xyz")
+    p.add_argument("file", metavar="FILE", nargs="?", help="file of the molecule: .sdf, .mol, .mol2, .pdb, .cif (of a ligand) or .xyz")
     p.add_argument("more", metavar="FILE", nargs="*", help="with --path, other paths that have an end in common with the first")
     p.add_argument("--path", action="store_true",
                    help="take the frames of FILE as a path, on which bonds may break and form: XYZ, extended XYZ, or a "

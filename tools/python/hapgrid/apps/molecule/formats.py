@@ -15,11 +15,12 @@ import numpy as np
 from hapgrid.apps.common.arrays import Array
 from rdkit import Chem
 
-from . import geometry, stereo, xyz
+from . import geometry, stereo, titles, xyz
 from .elements import NUMBERS
 from .molecule import BadInput, is_flat, numbers_of, placed, places_of, unsanitized
 
-KINDS = {"sdf": "sdf", "mol": "sdf", "xyz": "xyz", "mol2": "mol2", "pdb": "pdb", "ent": "pdb"}
+KINDS = {"sdf": "sdf", "mol": "sdf", "xyz": "xyz", "allxyz": "xyz", "extxyz": "xyz", "mol2": "mol2", "pdb": "pdb", "ent": "pdb",
+         "cif": "cif"}
 MOST_ATOMS = 100
 MOST_CHARGE = 9
 AMINO_ACIDS = set("ALA ARG ASN ASP CYS GLN GLU GLY HIS ILE LEU LYS MET PHE PRO SER THR TRP TYR VAL ACE NME".split())
@@ -61,7 +62,7 @@ def decoded(content: bytes, what: str) -> str:
 
 def read(text: str, what: str, kind: str) -> Input:
     given = Input(what, kind)
-    {"sdf": _sdf, "xyz": _xyz, "mol2": _mol2, "pdb": _pdb}[kind](text, given)
+    {"sdf": _sdf, "xyz": _xyz, "mol2": _mol2, "pdb": _pdb, "cif": _cif}[kind](text, given)
     if not given.records:
         raise BadInput(f"{what}: not understood as {kind.upper()}")
     return given
@@ -88,6 +89,8 @@ def _sdf(text: str, given: Input) -> None:
         if lines is None:
             continue
         unpaired = _radicals(lines)
+        if re.search(r"^M  V30 MDLV30/STE(RAC|REL)\d", "\n".join(lines), re.M):
+            given.say("centres are marked as those of a mixture: the form that is drawn is taken")
         mol = _understood(Chem.MolFromMolBlock, "\n".join(lines), given, strictParsing=False)
         x = places_of(mol)
         drawing = is_flat(x) and lines[1][20:22].upper() == "2D"
@@ -161,22 +164,14 @@ def charge_in(title: str, what: str) -> tuple[int | None, int | None]:
     return int(charge[1]) if charge else None, int(spin[1]) - 1 if spin else None
 
 
-def energy_in(title: str) -> float | None:
-    """The energy that a title gives, in whatever unit, or None: dE=, E=, energy:, SCF done, or a number alone."""
-    number = r"([+-]?\d+\.?\d*(?:[eE][+-]?\d+)?)"
-    found = re.search(rf"(?:\bdE\s*=|\bE\s*=|\benergy\s*[:=]?)\s*{number}", title, re.I) or \
-        re.fullmatch(r"\s*([+-]?\d+\.\d+)\s*(?:!.*)?", title)
-    return float(found[1]) if found else None
-
-
 def lowest_first(frames: Sequence[xyz.Frame]) -> tuple[list[int], bool]:
     """(the numbers of several xyz.Frames of one molecule, that of the lowest energy first; whether all have an energy). No
     numbers where they are of several molecules."""
-    energies = [energy_in(one.title) for one in frames]
+    energies = [titles.energy(one.title, None) for one in frames]
     if len(frames) < 2 or any(one.numbers != frames[0].numbers for one in frames):
         return [], False
     known = None not in energies
-    return sorted(range(len(frames)), key=lambda k: energies[k] or 0.0 if known else k), known
+    return sorted(range(len(frames)), key=lambda k: (energies[k] or (0.0,))[0] if known else k), known
 
 
 # PDB. Source: the format's description 3.3. Columns are counted from 0 here. 12-15 have the atom's name, with its element
@@ -224,6 +219,8 @@ def _element(line: str) -> int:
     is_one = line[17:20].strip().upper() in AMINO_ACIDS or two[:1] == "H" and len(name.strip()) == 4
     if element not in NUMBERS:
         element = two if two in NUMBERS and (len(two) == 1 or not is_one) else letters[:1]
+        if letters in ("CL", "BR") and not is_one:  # of many programs' ligands a column farther right
+            element = letters
     return NUMBERS.get(element, 0)
 
 
@@ -234,7 +231,17 @@ def _charge(line: str) -> int:
 
 # MOL2
 
+def _sybyl(kind: str) -> str:
+    """An atom's type as SYBYL has it, of one of GAFF, whose small letters begin with the element (ca: an aromatic carbon), or of
+    capitals."""
+    if kind.islower():
+        return kind[:2].title() if kind[:2] in ("cl", "br") else kind[0].upper()
+    return kind.title() if len(kind) == 2 and kind in NUMBERS else kind
+
+
 def _mol2(text: str, given: Input) -> None:
+    text = re.sub(r"^([ \t]*\d+[ \t]+\S+(?:[ \t]+[-+.\deE]+){3}[ \t]+)([A-Za-z]\w*)(?=[ \t]|$)",
+                  lambda found: found[1] + _sybyl(found[2]), text, flags=re.M)
     for block in re.split(r"^@<TRIPOS>MOLECULE", text, flags=re.M)[1:]:
         mol = _understood(Chem.MolFromMol2Block, f"@<TRIPOS>MOLECULE{block}", given, cleanupSubstructures=False)
         told = re.findall(r"^[ \t]*(\d+)[ \t]+\d+[ \t]*\ncharge[ \t]+([+-]?\d)[ \t]*$", block, flags=re.M)
@@ -247,6 +254,61 @@ def _mol2(text: str, given: Input) -> None:
             given.say(f"{len(dummies)} lone pairs or dummy atoms are left out")
             mol = Chem.DeleteSubstructs(mol, Chem.MolFromSmarts("[#0]"))
         given.records.append(Record(mol))
+
+
+# CIF of a ligand: mmCIF's categories chem_comp_atom and chem_comp_bond.
+
+_WORD = re.compile(r"^;(.*?)^;|'([^\n]*?)'(?=\s)|\"([^\n]*?)\"(?=\s)|#[^\n]*|(\S+)", re.M | re.S)
+_ORDERS = {"SING": 1, "DOUB": 2, "TRIP": 3}
+
+
+def _table(words: Sequence[str], category: str) -> list[dict[str, str]]:
+    """The rows of a category, in a loop or alone. words: of the text, those of quotes behind a blank."""
+    prefix = f"_{category}."
+    at = next((n for n, word in enumerate(words) if word.lower().startswith(prefix)), len(words))
+    if at == len(words) or at == 0 or words[at - 1].lower() != "loop_":
+        single = {}
+        while at + 1 < len(words) and words[at].lower().startswith(prefix):
+            single[words[at][len(prefix):].lower()] = words[at + 1].lstrip(" ")
+            at += 2
+        return [single] if single else []
+    heads = []
+    while at < len(words) and words[at].lower().startswith(prefix):
+        heads.append(words[at][len(prefix):].lower())
+        at += 1
+    out: list[dict[str, str]] = []
+    while at + len(heads) <= len(words) and not re.match("_|loop_|data_", words[at], re.I):
+        out.append(dict(zip(heads, (word.lstrip(" ") for word in words[at:at + len(heads)]))))
+        at += len(heads)
+    return out
+
+
+def _cif(text: str, given: Input) -> None:
+    words = [found[4] or " " + (found[1] or found[2] or found[3] or "") for found in _WORD.finditer(text)
+             if not found[0].startswith("#")]
+    rows, bonds = _table(words, "chem_comp_atom"), _table(words, "chem_comp_bond")
+    if not rows or not bonds:
+        raise BadInput(f"{given.what}: not the CIF of a ligand, which has chem_comp_atom and chem_comp_bond")
+    check_count(len(rows), given.what)
+    for kind, key in (("ideal", "pdbx_model_cartn_{}_ideal"), ("model", "model_cartn_{}")):
+        try:
+            x = np.array([[xyz.finite(row[key.format(axis)]) for axis in "xyz"] for row in rows])
+            given.say(f"the {kind} coordinates are taken")
+            break
+        except (KeyError, ValueError):
+            continue
+    else:
+        raise BadInput(f"{given.what}: an atom has no coordinates, neither of the model nor ideal ones")
+    numbers = [NUMBERS.get(row.get("type_symbol", "").upper(), 0) for row in rows]
+    charges = [int(row["charge"]) if re.fullmatch(r"[+-]?\d", row.get("charge", "")) else 0 for row in rows]
+    names = {row.get("atom_id"): n for n, row in enumerate(rows)}
+    try:
+        ends = [(names[b["atom_id_1"]], names[b["atom_id_2"]], _ORDERS[b["value_order"].upper()]) for b in bonds]
+    except KeyError as what:
+        raise BadInput(f"{given.what}: a bond has {what}, which is no atom or order") from None
+    if len({frozenset((a, b)) for a, b, _ in ends if a != b}) < len(ends):
+        raise BadInput(f"{given.what}: a bond is given twice, or leads to its own atom")
+    given.records.append(Record(placed(unsanitized(numbers, charges, ends), x)))
 
 
 # Bonds by distances

@@ -33,7 +33,7 @@ def read(path: str | None, smiles: str | None, charge: int | None = None, unpair
     what = f"SMILES '{smiles}'" if path is None else path
     kind = formats.KINDS.get(os.path.splitext(path or "")[1][1:].lower(), "")
     if path is not None and not kind:
-        raise BadInput(f"{path}: not an .sdf, .mol, .mol2, .pdb or .xyz file")
+        raise BadInput(f"{path}: not an .sdf, .mol, .mol2, .pdb, .cif or .xyz file")
     content = b"" if path is None else read_bytes(path, prepared.MOST_BYTES)
 
     def work() -> dict[str, Any]:
@@ -72,18 +72,20 @@ def started(path: str) -> Molecule:
     return Molecule(path, **plain, charge=charge, unpaired=unpaired, built=words.get("built") == "1")
 
 
-def ensemble(path: str | None) -> list[tuple[int, Array]]:
-    """[(number of the frame, positions in angstrom)] of a file of XYZ whose frames are one molecule, the lowest energy first;
-    nothing of another file, and where it is one frame, or several molecules."""
-    if not path or not path.lower().endswith(".xyz"):
-        return []
+def ensemble(path: str | None) -> tuple[list[tuple[int, Array]], bool]:
+    """([(number of the frame, positions in angstrom)], whether all have energies) of a file of XYZ whose frames are one molecule,
+    the lowest energy first; none of another file, and where it is one frame, or several molecules."""
+    if not path or formats.KINDS.get(os.path.splitext(path)[1][1:].lower()) != "xyz":
+        return [], False
     what = path
     content = read_bytes(path, prepared.MOST_BYTES)
 
-    def work() -> list[tuple[int, Any]]:
+    def work() -> tuple[list[tuple[int, Any]], bool]:
         frames = xyz.frames_of(formats.decoded(content, what), what)
-        return [(k + 1, frames[k].x.tolist()) for k in formats.lowest_first(frames)[0]]
-    return [(number, np.array(x)) for number, x in sandbox.run(work, path, ADVICE)]
+        order, known = formats.lowest_first(frames)
+        return [(k + 1, frames[k].x.tolist()) for k in order], known
+    shapes, known = sandbox.run(work, path, ADVICE)
+    return [(number, np.array(x)) for number, x in shapes], known
 
 
 def _one(given: Input, charge: int | None, unpaired: int | None) -> dict[str, Any]:

@@ -156,10 +156,10 @@ def find_structures(start: Start) -> Result:
     o, folder = start.options, start.folder
     if start.given:
         return along.found(start)
-    frames = reading.ensemble(o.file) if o.basins else []  # between whose minima paths are looked for
+    frames, known = reading.ensemble(o.file if o.basins else None)  # between whose minima paths are looked for
     shapes = [(n, x) for n, x in frames if len(x) == len(start.molecule.numbers)]
     if len(shapes) > ENSEMBLE:
-        folder.say(f"  {len(shapes)} frames: the {ENSEMBLE} lowest are taken")
+        folder.say(f"  {len(shapes)} frames: the {ENSEMBLE} {'lowest' if known else 'first'} are taken")
     shapes = shapes[:ENSEMBLE]
 
     def compute() -> list[str]:

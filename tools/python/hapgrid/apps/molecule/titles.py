@@ -1,6 +1,7 @@
 """Energies that the titles of frames give, in the units of the programs that wrote them.
 
     dE=         kJ/mol above the conformation: hapgrid
+    Gtot, G=    hartree: CENSO, whose G counts and not the energy beside it
     energy=     eV: ASE and extended XYZ; so are free_energy= and a calculator's results in a trajectory of ASE
     all others  hartree: E= (hapgrid), energy: (xtb), E (ORCA), SCF Done, and a number alone (CREST)
 
@@ -18,10 +19,12 @@ UNITS = {"hartree": HARTREE, "ev": EV, "kj/mol": 1.0, "kcal/mol": 4.184}
 _NUMBER = r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
 _UNIT = r"[ \t\"]*\(?(kcal/mol|kj/mol|ev|hartrees?|eh|a\.?u\.?)?(?![\w/])"
 _PATTERNS = [(re.compile(rf"(?:^|[\s,;(]){key}{_NUMBER}{_UNIT}", re.I if loose else re.NOFLAG), unit) for key, unit, loose in (
-    (r"dE\s*=\s*", "kj/mol", False), (r"(?:free_)?energy\s*=\s*\"?", "ev", True), (r"E\s*=\s*", "hartree", False),
+    (r"dE\s*=\s*", "kj/mol", False),
+    (r"G[ _]?(?:\(?tot\)?)?\s*[:=]\s*", "hartree", True),
+    (r"(?:free_)?energy\s*=\s*\"?", "ev", True), (r"E\s*=\s*", "hartree", False),
     (r"(?:total\s+)?energy\s*:?\s+", "hartree", True), (r"energy:", "hartree", True),
     (r"SCF\s+Done:?\s+(?:E\S*\s*=)?\s*", "hartree", True), (r"E\s+", "hartree", False))]
-_ALONE = re.compile(rf"\s*{_NUMBER}{_UNIT}\s*(?:!.*)?")
+_ALONE = re.compile(rf"\s*{_NUMBER}{_UNIT}\s*(?:!.*|(?:\S+=\S+\s*)+)?")  # CREST, CENSO, and GOAT of ORCA
 
 
 def energy(title: str, unit: str | None) -> tuple[float, str] | None:

@@ -17,10 +17,11 @@ from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import read_text
 
 from . import geometry
-from .elements import NUMBERS, SYMBOLS
+from .elements import COVALENT, NUMBERS, SYMBOLS
 from .molecule import BadInput
 from .xtb import BOHR, HARTREE
 
+NOBLE = {2, 10, 18, 36, 54, 86}  # they have no bonds whose lengths tell the unit
 DIFFER = 0.06  # kJ/mol; dE may be rounded to one decimal
 
 
@@ -51,7 +52,7 @@ def frames_of(text: str, what: str, say: Callable[[str], object] = lambda _: Non
     out: list[Frame] = []
     atoms = {n: _atom(line, say) for n, line in enumerate(lines)}
     while at < len(lines):
-        at = _frame(lines, atoms, at, what, say, out) if lines[at].strip() else at + 1
+        at = _frame(lines, atoms, at, what, say, out) if lines[at].strip(" \t>") else at + 1
     return out
 
 
@@ -80,11 +81,43 @@ def _frame(lines: list[str], atoms: Mapping[int, Any], at: int, what: str, say: 
         raise BadInput(f"{what}: line {at + 1} says that {count} atoms follow, but there are more")
     numbers, x = [atoms[n][0] for n in range(first, last)], np.array([atoms[n][1:] for n in range(first, last)])
     nearest = geometry.shares(numbers, x).min(axis=1)
-    if nearest.min() > 1.5 and nearest.max() < 2.2:  # as if bohr had been written for angstrom
+    if nearest.min() > 1.5 and nearest.max() < 2.2 and not NOBLE & {*numbers}:  # as if bohr had been written for angstrom
         say("the atoms are 1.9 times too far apart: the coordinates are taken to be in bohr")
         x = x * BOHR
+    if cell := re.search(r"\bLattice\s*=\s*\"([^\"]*)\"", title, re.I):
+        x = _whole(numbers, x, cell[1], title, what, say)
     out.append(Frame(title, numbers, x))
     return last
+
+
+def _whole(numbers: list[int], x: Array, cell: str, title: str, what: str, say: Callable[[str], object]) -> Array:
+    """x with each molecule in one piece, in extended XYZ whose atoms were put back into a cell. cell: its three vectors."""
+    try:
+        vectors = np.array([finite(word) for word in cell.split()]).reshape(3, 3)
+        inverse = np.linalg.inv(vectors)
+    except (ValueError, np.linalg.LinAlgError):
+        raise BadInput(f"{what}: Lattice=\"{cell}\" is no cell of three vectors") from None
+    found = re.search(r"\bpbc\s*=\s*\"?([TF01]\w*)\s+([TF01]\w*)\s+([TF01]\w*)", title, re.I)
+    repeats = np.array([word[0] in "Tt1" for word in found.groups()] if found else [True] * 3)
+    radius = np.array([COVALENT.get(z, 1.5) for z in numbers])
+    out, placed = x.copy(), np.zeros(len(x), bool)
+    for first in range(len(x)):
+        row = [] if placed[first] else [first]
+        placed[first] = True
+        for at in row:
+            away = x - x[at]
+            away -= np.where(repeats, np.round(away @ inverse), 0) @ vectors
+            share = np.linalg.norm(away, axis=1) / (radius + radius[at])
+            for n in np.flatnonzero(share < geometry.BONDED):
+                place = out[at] + away[n]
+                if not placed[n]:
+                    out[n], placed[n] = place, True
+                    row.append(int(n))
+                elif np.linalg.norm(out[n] - place) > 0.1:
+                    raise BadInput(f"{what}: its bonds go on from cell to cell, which is a crystal: cut out a molecule")
+    if np.abs(out - x).max() > 0.1:
+        say("molecules that the walls of the cell cut are put together")
+    return out
 
 
 def _atom(line: str, say: Callable[[str], object]) -> tuple[float, ...] | None:
