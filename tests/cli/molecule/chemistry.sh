@@ -18,3 +18,8 @@ END
 # What is behind an alkyne turns against what is before it, though it bends on the way.
 hapgrid molecule --smiles OC#CO -o diol --until definition --quiet >said 2>&1 || fail "$(cat said)"
 grep -qP '^H5-O1-O4-H6\t.*\tyes\t' diol/rotors.tsv || fail "$(cat diol/rotors.tsv)"
+
+# GFN2's nitrous acid is cis: that the trans one of a file turns is said.
+printf '4\n\nN 0 0 0\nO 1.17 0 0\nO -0.505 1.338 0\nH -1.453 1.193 0\n' >hono.xyz
+hapgrid molecule hono.xyz -o hono --until structures >said 2>&1 || fail "$(cat said)"
+grep -q 'the conformation is not the shape that was given: O2-N1-O3-H4 from .* to .* degrees' said || fail "$(cat said)"

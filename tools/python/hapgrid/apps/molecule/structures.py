@@ -10,10 +10,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeAlias
 
+import numpy as np
 from hapgrid.apps.common.arrays import Array
 
-from . import ensemble, holding, rotors, torsion_paths, torsions
+from . import ensemble, geometry, holding, rotors, torsion_paths, torsions
 from .holding import Hold
+from .molecule import listed
 from .results import Dropped, Path, Point, Result
 from .search import Search
 from .xtb import BOHR
@@ -24,11 +26,25 @@ if TYPE_CHECKING:
 Stationary: TypeAlias = tuple[str, float, Array]  # kind, energy and shape
 RESTARTS = 4
 HOLDS = 3  # atoms that are tried, where nothing moves the first
+TURNED = 60  # degrees: a bond that turns farther gives another conformation
 LOWER = 0.5  # kJ/mol: a minimum that is lower by this is another one
 
 
 def explore(start: Start, shapes: Sequence[tuple[int, Array]]) -> Result:
     """The Result of a molecule. shapes: of an ensemble, as Search has them. An atom that is held is one that a path moves."""
+    given = start.molecule.positions
+    result = _held(start, shapes)
+    turned = []
+    for t in [] if start.search or shapes else [t for t in start.turning if not t.rotor]:
+        old, new = (float(np.degrees(geometry.torsion(x, *t.atoms))) for x in (given, result.x))
+        if abs((new - old + 180) % 360 - 180) > TURNED:
+            turned.append(f"{t.name} from {old:.0f} to {new:.0f} degrees")
+    if turned:
+        start.folder.say(f"  the conformation is not the shape that was given: {listed(turned)}")
+    return result
+
+
+def _held(start: Start, shapes: Sequence[tuple[int, Array]]) -> Result:
     o = start.options
     if o.push:
         return _explored(start, shapes, None)
