@@ -3,6 +3,11 @@
 source "$(dirname "$0")/../../lib.sh"
 source "$here/../xtb.bash"
 molecules=$HAPGRID_SOURCE/examples/molecule
+
+# Round the middle bond of 2-aminoethanol the conformation is reached again in one direction only, which is enough.
+hapgrid molecule --smiles NCCO --push --basins -o amine -j 2 --until structures --quiet 2>said || fail "$(cat said)"
+turning_points amine/N1-C2-C3-O4.xyz amine/conformation.xyz
+
 basins=$HAPGRID_BUILD/bench/bench_basins
 [[ -x $basins ]] || skip "bench_basins is not built"
 

@@ -67,11 +67,9 @@ def whole(search: Search, job: str) -> Path:
         plus, minus = _round(plus) if holds else _cut(search, plus)
     else:
         minus, _ = drive(search, torsion, -1, apart, [plus.nodes[k] for k in plus.minima()])
-        if minus.why == BACK and not holds:
-            raise optimise.NoPath("a whole turn comes back in one direction only")
         if minus.why == BACK:  # the other direction only leads to fewer minima
             whole_turn = True
-            minus, plus = _round(minus)
+            minus, plus = _round(minus) if holds else _cut(search, minus)
         elif not holds:
             plus, minus = _before_jump(search, plus), _before_jump(search, minus)
     if not plus.minima() + minus.minima() and not (holds and whole_turn):
