@@ -92,6 +92,7 @@ std::array<double, 4> arrow_sizes(const Scene& scene, const Frame& frame,
 inline constexpr Colour kHipColour{0.85F, 0.1F, 0.55F};
 inline constexpr Colour kForceColour{0, 0.5F, 0.45F};
 inline constexpr Colour kSnapColour{0.69F, 0.33F, 0.02F};
+inline constexpr Colour kEnergyColour{0.1176F, 0.3529F, 0.7451F};
 
 inline constexpr Colour kBoxColour{0.52F, 0.55F, 0.6F};
 

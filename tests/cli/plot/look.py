@@ -102,3 +102,12 @@ columns = [log[0].split("\t").index(name) for name in ("force_x", "force_z")]
 ticks = numpy.array([line.split("\t") for line in log[1:]], float)[:, columns].reshape(10, 38, 2)[:, :20]
 most = numpy.hypot(*ticks.T).max()
 assert f"the longest arrow is {most:.2g} N" in said, (said, most)
+
+# Force, energy and snap have one colour each, in plots as in pages.
+page = subprocess.run(["view", "a.frames", "--html", "-"], check=True, capture_output=True, text=True).stdout
+parts = {name: re.search(f'"{name}_colour":"rgb.([^)]*)"?', page)[1].split() for name in ("force", "energy", "snap")}
+colours = {name: "#" + "".join(f"{int(float(x) + 0.5):02x}" for x in rgb) for name, rgb in parts.items()}
+sys.path.insert(0, os.environ["HAPGRID_BUILD"] + "/python")
+from hapgrid import style  # noqa: E402
+assert colours == {"force": style.FORCE, "energy": style.ENERGY, "snap": style.SNAP}, colours
+assert curves("field.svg", colours["energy"]) and f"fill: {colours['force']}" in open("field.svg").read()

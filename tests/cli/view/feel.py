@@ -128,6 +128,9 @@ with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder, Browser(
     if not touch and page.value("data.own.torsions.length"):
         names_atoms(page)
     pushes_until_it_snaps(page)
+    # A hand that lets go comes to a place without force.
+    page.value("element('letgo').click()")
+    page.wait("!lettingGo && frames.at(-1).size <= 0.005 * data.full_force")
     # A hand at rest: time stops after a while, and goes on when the hand moves.
     page.wait("player.last === null")
     at_rest = page.value("frames[frames.length - 1].time")

@@ -9,7 +9,7 @@ from typing import Any
 from hapgrid.files import model_words, program, read
 from hapgrid.frames import read_frames, read_spheres
 from hapgrid.quantities import AXES, plane_of, report
-from hapgrid.style import BLUE, GREY, ORANGE, figure, house_style, label, place, plain, sign
+from hapgrid.style import ENERGY, FORCE, GREY, figure, house_style, label, place, plain, sign
 
 ARROWS = 22  # along the longer side
 CONTOURS = 12
@@ -58,14 +58,14 @@ def field(grid: str | os.PathLike[str], plane: str | None = None, model_path: st
         if high > numpy.nanmin(energy) and min(energy.shape) > 1:
             levels = module.ticker.MaxNLocator(CONTOURS).tick_values(numpy.nanmin(energy), high)
             levels = [one for one in levels if one - numpy.nanmin(energy) > 0.02 * (high - numpy.nanmin(energy))]
-            lines = axes.contour(x, y, energy, levels=levels, colors=BLUE, linewidths=0.8, zorder=2)
+            lines = axes.contour(x, y, energy, levels=levels, colors=ENERGY, linewidths=0.8, zorder=2)
             axes.clabel(lines, fontsize=7, fmt=lambda value: f"{value:g}")
         step = -(-max(counts[u], counts[v]) // ARROWS)
         length_of = numpy.hypot(*force)
         most = float(length_of[::step, ::step].max())
         if most > 0:
             arrows = [numpy.where(length_of > 0.01 * most, part, numpy.nan)[::step, ::step] for part in force]
-            axes.quiver(x[::step], y[::step], *arrows, color=ORANGE, angles="xy",
+            axes.quiver(x[::step], y[::step], *arrows, color=FORCE, angles="xy",
                         scale_units="xy", scale=most / (1.6 * step * spacing), width=0.004, zorder=3)
         axes.set_xlim(x[0] - spacing / 2, x[-1] + spacing / 2)
         axes.set_ylim(y[0] - spacing / 2, y[-1] + spacing / 2)

@@ -20,8 +20,8 @@ from typing import Any, TypeAlias
 from hapgrid.fields import field
 from hapgrid.files import program, read
 from hapgrid.quantities import AXES, Play, beside, plane_of, report
-from hapgrid.style import (BLUE, COLOURS, GREY, MARKERS, ORANGE, PURPLE, figure, house_style, label, legend, limits, place,
-                           plain, save, sign)
+from hapgrid.style import (BLUE, COLOURS, ENERGY, GREY, MARKERS, ORANGE, PURPLE, SNAP, TEXT, figure, house_style, label, legend,
+                           limits, place, plain, save, sign)
 
 Name: TypeAlias = str | os.PathLike[str]
 Files: TypeAlias = Name | Iterable[Name]
@@ -33,8 +33,8 @@ COLUMNS = 2000  # of a curve over time: more are not seen
 LABEL = 22  # letters of an axis beside a panel, in one line
 LEAST_US = 0.01  # of a time on a logarithmic axis
 DASHED, DOTTED = (0, (5, 2.5)), (0, (1, 1.4))
-SNAP = {"linestyle": ":", "linewidth": 1, "marker": "o", "markersize": 3.5, "markerfacecolor": "white", "markeredgewidth": 1}
-SNAP_LINE = {"color": GREY, "linestyle": (0, (5, 2, 1, 2)), "linewidth": 1, "zorder": 1}
+SNAP_MARK = {"linestyle": ":", "linewidth": 1, "marker": "o", "markersize": 3.5, "markerfacecolor": "white", "markeredgewidth": 1}
+SNAP_LINE = {"color": SNAP, "linestyle": (0, (5, 2, 1, 2)), "linewidth": 1, "zorder": 1}
 ROW = {"level_changed": "snap", "safety_too-fast": "too fast"}
 
 
@@ -122,7 +122,7 @@ def columns(files: Files, x: str, y: str, *, grid: Name | None = None, names: It
             for style, way in (("-", "there"), (DASHED, "back")):
                 axes.plot([], [], color=GREY, linestyle=style, label=way)
         if any(len(play.snaps()) for play in plays):
-            axes.plot([], [], color=GREY, label="the model snaps", **SNAP)
+            axes.plot([], [], color=GREY, label="the model snaps", **SNAP_MARK)
         _limits_of(axes, every)
         axes.set(xlabel=plain(labels[0]) if labels else plays[0].label(x), ylabel=plain(labels[1]) if labels else plays[0].label(y))
         axes.margins(x=0.02)
@@ -171,7 +171,7 @@ def _curve(axes: Any, x: Any, y: Any, snaps: Any, name: str | None, colours: Seq
                   label=said or None)
         for k in inside[:MOST_SNAPS]:
             if name is not None:
-                axes.plot(x[k - 1:k + 1], y[k - 1:k + 1], color=colour, zorder=3, **SNAP)
+                axes.plot(x[k - 1:k + 1], y[k - 1:k + 1], color=colour, zorder=3, **SNAP_MARK)
 
 
 def session(file: Name, grid: Name | None = None, model_path: Name | None = None) -> Any:
@@ -286,7 +286,7 @@ def _work_panel(axes: Any, play: Play, t: Any) -> None:
 
 def _energy_panel(axes: Any, play: Play, t: Any) -> None:
     curves = [(name, word) for name, word in beside("energy") if name in _there(play)]
-    for (name, word), colour in zip(curves, (ORANGE, BLUE)):
+    for (name, word), colour in zip(curves, (ENERGY, TEXT)):
         axes.plot(*reduced(t, play.column(name)), color=colour, label=word if len(curves) > 1 else None)
     _limits_of(axes, [play.column(name) for name, _ in curves])
     axes.set_ylabel(play.label("energy"))
@@ -326,7 +326,7 @@ def _strip(axes: Any, t: Any, rows: Sequence[tuple[str, Any]]) -> None:
     for row, (_, values) in enumerate(rows):
         edges = numpy.flatnonzero(numpy.diff(numpy.concatenate([[0], values, [0]])))
         spans = [(t[a], max(t[b - 1] + tick - t[a], (t[-1] - t[0]) / 600)) for a, b in zip(edges[::2], edges[1::2])]
-        axes.broken_barh(spans, (row - 0.35, 0.7), facecolor=BLUE if rows[row][0] == "snap" else ORANGE)
+        axes.broken_barh(spans, (row - 0.35, 0.7), facecolor=SNAP if rows[row][0] == "snap" else GREY)
     axes.set(ylim=(len(rows) - 0.4, -0.6), yticks=range(len(rows)))
     axes.set_yticklabels([plain(name) for name, _ in rows])
     axes.tick_params(axis="y", length=0)

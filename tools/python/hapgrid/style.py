@@ -17,6 +17,7 @@ from types import ModuleType
 from typing import Any
 
 BLUE, ORANGE, GREEN, PURPLE, BROWN, GREY = "#0072b2", "#c8500a", "#00805e", "#9a4f86", "#806000", "#6b6b6b"
+FORCE, ENERGY, SNAP = "#008073", "#1e5abe", "#b05405"  # as pages, films and the terminal have them (libcore/scene/drawing.hpp)
 COLOURS = [BLUE, ORANGE, GREEN, PURPLE, BROWN, GREY]
 MARKERS = "osD^vP"
 TEXT = "#222222"

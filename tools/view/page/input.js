@@ -10,6 +10,7 @@ function moveHand(right, down, nearer) {
   const [side, up, near] = view.axes, unit = pixel();
   const at = plus(plus(plus(hand, side, unit * right), up, -unit * down), near, nearer);
   hand = at.map((x, a) => clamp(x, data.hand_low[a], data.hand_high[a]));
+  lettingGo = false;
   if (!following()) setPlaying(true);
   wake();
   drawSoon();
@@ -59,10 +60,12 @@ function showHelp() {
        "shift + drag: move the picture. t: a drag turns it.",
        "The ring is the hand. The ball follows it; where the model resists, the thread grows, and where the model snaps, it shrinks. Where no force acts it is dashed."]
     : ["drag, one finger, arrow keys: turn. Right drag, two fingers: move. Wheel, pinch: zoom."];
-  if (hand) lines.push("n: the next level of the grid at this place.");
+  if (hand) lines.push("l: let go, and the ball moves to where no force acts.   n: another state of the model at this place, if the grid has one.",
+    "path: saves where the ball went, so that play --device path: repeats it.");
   lines.push("space: stop, go on.   b: balls and sticks.   r: the first view.   s: save the picture.   h: this help, Esc ends it.");
   if (data.keys) lines.push("In the terminal of play: " + data.keys);
-  say(element("say").className ? "" : lines.join("\n"), !element("say").className);
+  if (element("say").className) say(player ? introduction() : "");
+  else say(lines.join("\n"), true);
 }
 
 function download(name, address) {
@@ -120,7 +123,8 @@ const actions = {
   play: () => setPlaying(!playing),
   turn: () => { turning = !turning; element("turn").className = turning ? "on" : ""; },
   next: nextLevel,
-  sticks: () => { sticks = !sticks; drawSoon(); },
+  sticks: () => { sticks = !sticks; element("sticks").className = sticks ? "on" : ""; drawSoon(); },
+  letgo: () => { if (hand) { lettingGo = true; wake(); } },
   fit: () => { fit(); drawSoon(); },
   sound: () => { sounds = !sounds; element("sound").className = sounds ? "on" : ""; element("sound").ariaPressed = sounds; },
   save, path: () => player && savePath(), help: showHelp,
@@ -145,7 +149,7 @@ function onKey(e) {
   e.preventDefault();
 }
 
-const keys = { " ": "play", t: "turn", n: "next", b: "sticks", r: "fit", s: "save", h: "help", "?": "help" };
+const keys = { " ": "play", t: "turn", l: "letgo", n: "next", b: "sticks", r: "fit", s: "save", h: "help", "?": "help" };
 
 /// A button that acts again while it is held.
 function hold(id, act) {

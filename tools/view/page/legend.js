@@ -2,7 +2,7 @@
 // the hand, the flash at a snap, the force bar. Texts and sizes come from view, whose pictures have the same
 // (libcore/scene/legend.hpp).
 
-const kFlashSeconds = 0.3;
+const kFlashSeconds = 0.8;
 const kGrey = "#6b7280";
 
 /// A canvas whose unit is a pixel of the page on a small screen, and its width and height in that unit.
@@ -156,7 +156,7 @@ function drawForceBar(c, width, height, force) {
   if (data.full_force <= full) {  // what is sent at most
     const y = bottom - data.full_force / full * (bottom - top);
     strokeLines(c, [[[x - 4, y], [x + 14, y]]], data.ink, 2);
-    c.fillText("most", x - 7, y);
+    c.fillText("limit", x - 7, y);
   }
   c.fillText("0", width - 23, bottom + 10);
   c.textAlign = "left";

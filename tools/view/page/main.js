@@ -120,7 +120,7 @@ function take(frame) {
 /// This page is the hand.
 function takeHand(at) {
   hand = at;
-  for (const id of ["nearer", "farther", "turn", "next", "sound"]) element(id).hidden = false;
+  for (const id of ["nearer", "farther", "letgo", "turn", "next", "sound"]) element(id).hidden = false;
   if (gl) say(introduction());
 }
 

@@ -90,7 +90,7 @@ Json page_scene(const Scene& scene, const Frame& frame, const RenderOptions& opt
       {"hand_colour", css(kHipColour)},
       {"force_colour", css(kForceColour)},
       {"snap_colour", css(kSnapColour)},
-      {"energy_colour", "#1e5abe"},
+      {"energy_colour", css(kEnergyColour)},
       {"line_pixels", 2 * kLinePixels},
       {"ring_pixels", kRingPixels},
       {"hand_line_pixels", 2 * kHandPixels},

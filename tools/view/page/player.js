@@ -5,6 +5,7 @@ const kTicksASecond = 1000;
 const kLongestPause = 100;  // ticks that are made up for after the browser was busy
 const kRestSeconds = 5;     // of a hand that does nothing: then time stops, and the battery lasts
 const kPathTicks = 600000;  // that are kept to be saved
+let lettingGo = false;      // the hand goes where the force leads, until there is none
 let player = null;          // what the player exports, and what this page knows of the play
 
 async function inflate(text) {
@@ -23,7 +24,8 @@ function playedFrame() {
   const angles = Array.from(new Float64Array(buffer, player.angles_at(), own.torsions.length));
   const model = shown[26];
   const status = `t ${time.toFixed(2)} s   force ${threeDigits(Math.hypot(...force))} N` +
-    (Number.isFinite(energy) ? `   energy ${threeDigits(energy)} ${own.energy_unit}` : "") + (Number.isFinite(model) ? `   model alone ${threeDigits(model)}` : "");
+    (Number.isFinite(energy) ? `   energy ${threeDigits(energy)} ${own.energy_unit}` : "") +
+    (Number.isFinite(model) ? ` with the hand's part, ${threeDigits(model)} of the model alone` : "");
   const ends = new Uint32Array(buffer, player.bonds_at(), 2 * shown[25]);
   return {
     time, jumps: shown[9], hip: list(0, 3), force, hand: [...hand], energy, own: model, arrow: list(21, 4), status, angles, turned: [],
@@ -41,15 +43,34 @@ function playTicks(most, next) {
   player.kept += places.length / 3;
 }
 
+/// The hand a little along the force: at most a fiftieth of the box in each picture.
+function followForce(frame) {
+  const step = Math.max(...plus(data.high, data.low, -1)) / 50, part = Math.min(1, 4 * frame.size / data.full_force);
+  lettingGo = frame.size > 0.005 * data.full_force;
+  if (!lettingGo) return;
+  hand = plus(frame.hip, frame.force, step * part / frame.size).map((x, a) => clamp(x, data.low[a], data.high[a]));
+  player.idle = 0;
+}
+
+let restored = null;
+function sayAWhile(text) {
+  if (element("say").className) return;
+  clearTimeout(restored);
+  say(text);
+  restored = setTimeout(() => { if (!element("say").className) say(introduction()); }, 2500);
+}
+
 /// Before each picture of the screen: the ticks that are due since the last one.
 function playOn(now) {
   player.due = Math.min(kLongestPause, player.due + (now - (player.last ?? now)) * kTicksASecond / 1000);
   player.last = now;
   const ticks = Math.floor(player.due);
   if (ticks > 0 && following()) {
+    if (lettingGo) followForce(frames.at(-1));
     playTicks(ticks, player.wants_next);
-    player.wants_next = false;
     take(decode(playedFrame()));
+    if (player.wants_next && !frames.at(-1).snapped) sayAWhile("The grid has no other state at this place.");
+    player.wants_next = false;
   }
   player.due -= ticks;
   player.idle += ticks;
@@ -88,9 +109,9 @@ function colourName(rgb) {
 /// What somebody who has this file and no other word should do, from what is in the scene.
 function goal() {
   const { own, spheres, hip_radius } = data, largest = spheres.map((one, k) => [one[0], k]).sort((a, b) => b[0] - a[0]);
-  const held = frames[0].bonds.length > 0 && spheres.some((one, k) => distance(sphere(frames[0], k), own.start) < 0.2 * (one[0] + hip_radius));
+  const held = frames[0].bonds.length === 0 ? -1 : spheres.findIndex((one, k) => distance(sphere(frames[0], k), own.start) < 0.2 * (one[0] + hip_radius));
   const end = own.snaps ? "it snaps" : "it yields";
-  if (held) return `Drag the pink ball, which holds an atom: lead it round until ${own.torsions.length ? "the bond turns over" : end}.`;
+  if (held >= 0) return `Drag the pink ring: it holds ${data.names[held] || "an atom"}. Lead it round until ${own.torsions.length ? "the bond turns over" : end}, and let go.`;
   if (own.torsions.length) return `Drag the pink ball against the molecule until a bond ${own.snaps ? "turns over" : "yields"}.`;
   if (largest.length > 1 && largest[0][0] > 1.5 * largest[1][0])
     return `Drag the pink ball against the ${colourName(spheres[largest[0][1]].slice(1))} one until ${end}.`;

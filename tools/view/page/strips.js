@@ -2,7 +2,7 @@
 // the grid has at each angle, where on it the model is, and how high the next barrier is. The strip's number stands at the
 // bond.
 
-const kStrip = { width: 164, height: 64 };
+const kStrip = { width: 184, height: 64 };
 
 /// How high the nearer of the two barriers beside an angle is: of what the grid has there, the highest before it goes down.
 function barrierAhead(profile, angle) {
@@ -37,7 +37,7 @@ function drawStrip(c, [left, top], number, [, , name, profile], angle, own) {
   for (const [shade, radius] of [["#fff", 5], [data.hand_colour, 3.5]]) strokeLines(c, [[at(angle, own), at(angle + 0.01, own)]], shade, 2 * radius);
   const text = (v) => v.toFixed(barrier >= 100 ? 0 : barrier >= 1 ? 1 : 3);
   c.fillStyle = data.ink;
-  c.fillText(`${text(own - low)} of ${text(barrier)} ${data.own.energy_unit}`, left, top + 55);
+  c.fillText(`${text(own - low)} ${data.own.energy_unit}, next barrier ${text(barrier)}`, left, top + 55);
 }
 
 /// The torsions that have a strip, in a column on a wide screen, else in a row: as many as there is room for.
@@ -57,12 +57,13 @@ function drawStrips(frame) {
 
 /// The numbers of the strips, at the bonds.
 function markTorsions(c, frame, place, size) {
+  if (data.own.torsions.length < 2) return;
   c.textAlign = "center";
   stripsOf(size)[1].forEach(([a, b], k) => {
     const at = place(plus(sphere(frame, a), plus(sphere(frame, b), sphere(frame, a), -1), 0.5));
     for (const [shade, radius] of [["#fff", 7], [data.ink, 6]]) strokeLines(c, [[at, [at[0] + 0.01, at[1]]]], shade, 2 * radius);
     c.fillStyle = "#fff";
-    if (data.own.torsions.length > 1) c.fillText(k + 1, at[0], at[1] + 0.5);
+    c.fillText(k + 1, at[0], at[1] + 0.5);
   });
   c.textAlign = "left";
 }
