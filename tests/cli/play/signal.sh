@@ -11,8 +11,8 @@ for signal in HUP:129 INT:130 TERM:143; do
   code=0
   wait $! || code=$?
   [ "$code" = "${signal#*:}" ] || fail "$signal: exit $code: $(cat stderr)"
-  grep -q '^play: [0-9]* ticks, ' stderr || fail "$signal: $(cat stderr)"
-  ticks=$(sed -n 's/^play: \([0-9]*\) ticks, .*/\1/p' stderr)
+  grep -q '^play: [0-9]* ticks\?, ' stderr || fail "$signal: $(cat stderr)"
+  ticks=$(sed -n 's/^play: \([0-9]*\) ticks\?, .*/\1/p' stderr)
   awk -F '\t' -v ticks="$ticks" 'NF != 21 { bad = 1 } END { exit bad || NR != ticks + 1 }' log ||
     fail "$signal: log of $ticks ticks: $(cat log)"
   rm log stderr

@@ -91,7 +91,7 @@ def page(start: Start, turned: Sequence[Torsion], ways: Sequence[str], felt: lis
              "Grid": f"{' × '.join(map(str, box['counts']))} points, {box['spacing']:g} Å apart"}
     molecule = {"symbols": [SYMBOLS[z] for z in one.numbers], "colours": [COLOURS[z] for z in one.numbers],
                 "places": np.round(one.x, 3).tolist(),
-                "bonds": _pairs(start.molecule.neighbours),
+                "bonds": _pairs(start.molecule.neighbours), "orders": _orders(start.molecule.rd),
                 "torsions": [[t.name, *t.atoms, t in turned] for t in start.turning]}
     molecule["paths"] = _profiles(start, taken)
     given = start.given is not None
@@ -121,6 +121,14 @@ def _profiles(start: Start, taken: Sequence[str]) -> list[dict[str, Any]]:
     return out
 
 
+def _orders(rd: Chem.Mol) -> dict[str, int]:
+    """Of the bonds that are no single ones; those of aromatic rings as in one of their formulas."""
+    rd = Chem.Mol(rd)
+    Chem.Kekulize(rd, clearAromaticFlags=True)
+    ends = [(sorted((b.GetBeginAtomIdx(), b.GetEndAtomIdx())), int(b.GetBondTypeAsDouble())) for b in rd.GetBonds()]
+    return {f"{a}-{b}": order for (a, b), order in ends if order > 1}
+
+
 def _pairs(neighbours: Neighbours) -> list[list[int]]:
     return [[a, b] for a, near in enumerate(neighbours) for b in near if a < b]
 
@@ -133,10 +141,16 @@ def barriers(folder: Work) -> str:
         one = report.get(row["path"], {})
         behind = [other["energy_kJ_mol"] for name, other in report.items()
                   if name.startswith(row["path"] + ":") and other["kind"].startswith("minimum")]
-        cells = [row["path"], row["atoms"], row["barrier_kJ_mol"], one.get("nu1_cm-1", "-"), ", ".join(behind) or "-",
-                 "in the grid" if row["taken"] == "yes" else row["why"]]
-        rows.append("<tr>" + "".join(f"<td>{html.escape(cell)}" for cell in cells))
+        cells = [html.escape(row["path"]), html.escape(row["atoms"]), _energy(row["barrier_kJ_mol"]), html.escape(one.get("nu1_cm-1", "-")),
+                 ", ".join(map(_energy, behind)) or "-", "in the grid" if row["taken"] == "yes" else html.escape(row["why"])]
+        rows.append("<tr>" + "".join(f"<td>{cell}" for cell in cells))
     return "\n".join(rows)
+
+
+def _energy(kilojoules: str) -> str:
+    """What the page's switch can show in kcal/mol, too."""
+    number = re.fullmatch(r"-?\d+(\.\d+)?", kilojoules)
+    return f'<span data-kj="{kilojoules}">{kilojoules}</span>' if number else html.escape(kilojoules)
 
 
 def formula(text: str) -> str:
