@@ -151,7 +151,7 @@ class SoftTissue {
 
   static std::vector<double> triple(hapgrid::PluginParameters& parameters, const char* key,
                                     const std::vector<double>& value) {
-    const std::vector<double> given = parameters.numbers(key);
+    std::vector<double> given = parameters.numbers(key);
     if (given.empty()) return value;
     if (given.size() != 3)
       throw std::runtime_error(std::string("parameter ") + key + " has " +
