@@ -45,7 +45,7 @@ TEST_CASE("a state, and what a grid stores with it") {
   CHECK(std::abs(f[0]) < 1e-6);
   std::vector<float> centres(3 * spheres);
   model->shape({0, 0, 18}, pushed.data(), centres);
-  // Balls that touch the surface from inside, as high as the block: the gaps of 6 mm would need more.
+  // Balls that touch the surface from inside, as high as the block.
   const double radius = model->info().spheres[0].radius;
   CHECK(radius == 6);
   double lowest = 12;
