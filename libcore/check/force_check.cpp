@@ -199,7 +199,7 @@ Check ForceCheck::gradient() const {
   std::string axes;
   const bool is_seen = gradient.found.offenders > 0;
   for (int axis = 0; axis < 3; ++axis) {
-    const std::string why = axis_diagnosis(axis);
+    std::string why = axis_diagnosis(axis);
     if (why.empty()) continue;
     axes += (axes.empty() ? "" : "; ") + why;
     if (!is_seen) gradient.found.offend([&] { return why; });

@@ -100,7 +100,7 @@ void write_progress(std::FILE* out, const std::function<std::string()>& text,
 
 std::string part_done(double part, double rate) {
   // What is not over is not 100 %.
-  const std::string done = format("{:.0f} %", std::floor(100 * std::clamp(part, 0.0, 0.99)));
+  std::string done = format("{:.0f} %", std::floor(100 * std::clamp(part, 0.0, 0.99)));
   if (!(rate > 0) || !(part > 0)) return done;
   const double seconds = std::max((1 - part) / rate, 1.0);
   if (seconds < 90) return format("{}, {:.0f} s left", done, seconds);

@@ -57,6 +57,7 @@ void Morph::find_splines_in_space(const Molecule& molecule) {
     for (std::size_t i = 0; i < tree_.size(); ++i)
       apart = std::max(apart, (chain.front()[i] - chain.back()[i]).norm());
     std::vector<std::vector<double>> nodes;
+    nodes.reserve(chain.size());
     for (const Positions& shape : chain) nodes.push_back(flat(shape));
     paths_.push_back(through(path, nodes, path.closes && apart < kMeets));
   }

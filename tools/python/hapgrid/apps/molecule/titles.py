@@ -16,7 +16,7 @@ from .xtb import HARTREE
 
 EV = 96.48533212331  # kJ/mol, CODATA 2018
 UNITS = {"hartree": HARTREE, "ev": EV, "kj/mol": 1.0, "kcal/mol": 4.184}
-_NUMBER = r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
+_NUMBER = r"([+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?)"
 _UNIT = r"[ \t\"]*\(?(kcal/mol|kj/mol|ev|hartrees?|eh|a\.?u\.?)?(?![\w/])"
 _PATTERNS = [(re.compile(rf"(?:^|[\s,;(]){key}{_NUMBER}{_UNIT}", re.I if loose else re.NOFLAG), unit) for key, unit, loose in (
     (r"dE\s*=\s*", "kj/mol", False),
@@ -24,7 +24,7 @@ _PATTERNS = [(re.compile(rf"(?:^|[\s,;(]){key}{_NUMBER}{_UNIT}", re.I if loose e
     (r"(?:free_)?energy\s*=\s*\"?", "ev", True), (r"E\s*=\s*", "hartree", False),
     (r"(?:total\s+)?energy\s*:?\s+", "hartree", True), (r"energy:", "hartree", True),
     (r"SCF\s+Done:?\s+(?:E\S*\s*=)?\s*", "hartree", True), (r"E\s+", "hartree", False))]
-_ALONE = re.compile(rf"\s*{_NUMBER}{_UNIT}\s*(?:!.*|(?:\S+=\S+\s*)+)?")  # CREST, CENSO, and GOAT of ORCA
+_ALONE = re.compile(rf"\s*{_NUMBER}{_UNIT}(?:\s*!.*|(?:\s+[^\s=]+=\S*)*\s*)")  # CREST, CENSO, and GOAT of ORCA
 
 
 def energy(title: str, unit: str | None) -> tuple[float, str] | None:
