@@ -6,9 +6,9 @@ import os
 import subprocess
 from typing import Any
 
-from hapgrid.files import model_words, program, read
+from hapgrid.files import model_words, program
 from hapgrid.frames import read_frames, read_spheres
-from hapgrid.quantities import AXES, plane_of, report
+from hapgrid.quantities import AXES, plane_arrays, report
 from hapgrid.style import ENERGY, FORCE, GREY, figure, house_style, label, place, plain, sign
 
 ARROWS = 22  # along the longer side
@@ -22,12 +22,8 @@ def field(grid: str | os.PathLike[str], plane: str | None = None, model_path: st
     model_path: folder of the grid's plug-in, where it is one of your own."""
     import numpy
 
-    arrays, known = read(grid), report(os.fspath(grid))
-    if "point" not in arrays:
-        raise ValueError(f"{grid}: not a grid")
-    origin, spacing, counts = arrays["origin"], float(arrays["spacing"]), arrays["counts"].astype(int)
-    axis, index = plane_of(plane, origin, spacing, counts)
-    u, v = (a for a in range(3) if a != axis)
+    arrays, axis, index, u, v = plane_arrays(grid, plane)
+    origin, spacing, counts, known = arrays["origin"], float(arrays["spacing"]), arrays["counts"].astype(int), report(os.fspath(grid))
     rows = []
     for k in range(counts[v]):  # to the right, and back, which is not drawn
         for i in [*range(counts[u]), *range(counts[u] - 2, 0, -1)]:

@@ -18,8 +18,8 @@ from collections.abc import Iterable, Sequence
 from typing import Any, TypeAlias
 
 from hapgrid.fields import field
-from hapgrid.files import program, read
-from hapgrid.quantities import AXES, Play, beside, plane_of, report
+from hapgrid.files import program
+from hapgrid.quantities import AXES, Play, beside, plane_arrays, report
 from hapgrid.style import (BLUE, COLOURS, ENERGY, GREY, MARKERS, ORANGE, PURPLE, SNAP, TEXT, figure, house_style, label, legend,
                            limits, place, plain, save, sign)
 
@@ -43,12 +43,8 @@ def slice(grid: str | os.PathLike[str], plane: str | None = None) -> Any:
     is left out."""
     import numpy
 
-    arrays, known = read(grid), report(os.fspath(grid))
-    if "point" not in arrays:
-        raise ValueError(f"{grid}: not a grid")
-    origin, spacing, counts = arrays["origin"], float(arrays["spacing"]), arrays["counts"].astype(int)
-    axis, index = plane_of(plane, origin, spacing, counts)
-    u, v = (a for a in range(3) if a != axis)
+    arrays, axis, index, u, v = plane_arrays(grid, plane)
+    origin, spacing, counts, known = arrays["origin"], float(arrays["spacing"]), arrays["counts"].astype(int), report(os.fspath(grid))
     levels = numpy.zeros((counts[v], counts[u]), int)
     points = arrays["point"][arrays["point"][:, axis] == index]
     numpy.add.at(levels, (points[:, v], points[:, u]), 1)

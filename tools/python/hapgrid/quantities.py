@@ -42,6 +42,17 @@ def plane_of(text: str | None, origin: Any, spacing: float, counts: Any) -> tupl
     return a, min(max(int(-(-(step - 0.5) // 1)), 0), last)  # the lower of two that are equally near
 
 
+def plane_arrays(grid: str | os.PathLike[str], plane: str | None) -> tuple[dict[str, Any], int, int, int, int]:
+    """(the grid's arrays; axis and number of the plane that is nearest to `plane`, as in "y=0"; the axes in it). Errors:
+    ValueError."""
+    arrays = read(grid)
+    if "point" not in arrays:
+        raise ValueError(f"{os.fspath(grid)}: not a grid")
+    axis, index = plane_of(plane, arrays["origin"], float(arrays["spacing"]), arrays["counts"].astype(int))
+    u, v = (a for a in range(3) if a != axis)
+    return arrays, axis, index, u, v
+
+
 class Play:
     """A log, session or file of frames. ticks: as read() has them; units: of "length", "energy" and "state", "" where they
     are not known."""

@@ -131,7 +131,7 @@ function onMessage(message) {
   } else if (message.scene) {
     data = message.scene;
     build();
-    say("This page watches. The hand is on the device that play drives.");
+    if (gl) say("This page watches: it cannot move the hand.");
     lose(false);
     setPlaying(true);
   } else if (message.ended) {

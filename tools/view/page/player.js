@@ -25,7 +25,7 @@ function playedFrame() {
   const model = shown[26];
   const status = `t ${time.toFixed(2)} s   force ${threeDigits(Math.hypot(...force))} N` +
     (Number.isFinite(energy) ? `   energy ${threeDigits(energy)} ${own.energy_unit}` : "") +
-    (Number.isFinite(model) ? ` with the hand's part, ${threeDigits(model)} of the model alone` : "");
+    (Number.isFinite(energy + model) ? ` with the hand's part, ${threeDigits(model)} of the model alone` : "");
   const ends = new Uint32Array(buffer, player.bonds_at(), 2 * shown[25]);
   return {
     time, jumps: shown[9], hip: list(0, 3), force, hand: [...hand], energy, own: model, arrow: list(21, 4), status, angles, turned: [],

@@ -258,7 +258,8 @@ def _mol2(text: str, given: Input) -> None:
 
 # CIF of a ligand: mmCIF's categories chem_comp_atom and chem_comp_bond.
 
-_WORD = re.compile(r"^;(.*?)^;|'([^\n]*?)'(?=\s)|\"([^\n]*?)\"(?=\s)|#[^\n]*|(\S+)", re.M | re.S)
+# No text in quotes is longer: to look for the end of each one to the end of its line would take quadratic time.
+_WORD = re.compile(r"^;(.*?)^;|'([^\n]{0,80}?)'(?=\s)|\"([^\n]{0,80}?)\"(?=\s)|#[^\n]*|(\S+)", re.M | re.S)
 _ORDERS = {"SING": 1, "DOUB": 2, "TRIP": 3}
 
 
