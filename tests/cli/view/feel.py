@@ -136,6 +136,10 @@ with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder, Browser(
     at_rest = page.value("frames[frames.length - 1].time")
     time.sleep(0.5)
     assert page.value("frames[frames.length - 1].time") == at_rest
+    # Where pictures take long, one that moves has fewer pixels, and all of them when it rests.
+    sharp = "gl.canvas.width / Math.round(window.devicePixelRatio * pictureSize()[0])"
+    assert page.value(f"(() => {{ for (const t of [0, 0, 0]) {{ meanCost = 100; drawn = null; draw(); }} return {sharp}; }})()") < 0.9
+    page.wait(f"{sharp} === 1")
     # What is drawn is not drawn again, but for a picture that is saved.
     assert page.value("(draw(), isDrawn(frames[shown]))")
     assert page.value("""(() => {

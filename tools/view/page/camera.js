@@ -21,13 +21,11 @@ const pictureSize = () => [element("scene").clientWidth, element("scene").client
 /// How much larger letters and lines are than on a small screen: page.html has the rule.
 const letterScale = () => parseFloat(getComputedStyle(document.documentElement).fontSize) / 13;
 
-/// Gives a canvas a size in pixels of the page, and returns the size in pixels of the screen.
-function setSize(canvas, width, height) {
-  const size = [width, height].map((x) => Math.round(window.devicePixelRatio * x));
-  if (canvas.width !== size[0] || canvas.height !== size[1]) {
-    Object.assign(canvas, { width: size[0], height: size[1] });
-    Object.assign(canvas.style, { width: width + "px", height: height + "px" });
-  }
+/// Gives a canvas a size in pixels of the page, and returns how many pixels it has itself: so many for one of the page.
+function setSize(canvas, width, height, dots = window.devicePixelRatio) {
+  const size = [width, height].map((x) => Math.round(dots * x));
+  if (canvas.width !== size[0] || canvas.height !== size[1]) Object.assign(canvas, { width: size[0], height: size[1] });
+  Object.assign(canvas.style, { width: width + "px", height: height + "px" });
   return size;
 }
 

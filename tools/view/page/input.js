@@ -94,7 +94,7 @@ function click() {
 
 /// The picture with all that is drawn over it.
 function wholePicture() {
-  drawn = null;  // WebGL keeps a picture no longer than until the page is shown
+  sharpen();  // WebGL keeps a picture no longer than until the page is shown
   draw();
   const picture = document.createElement("canvas");
   const legend = element("legend");

@@ -46,7 +46,7 @@ function draw() {
     if (gl) drawPicture(frames[shown]);
     element("time").max = frames.length - 1;
     element("time").value = shown;
-    drawCurves();
+    if (curvesAreDue()) drawCurves();
     drawStatus();
   }
   drawLegend();

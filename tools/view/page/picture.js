@@ -119,14 +119,14 @@ function isDrawn(frame) {
 function drawPicture(frame) {
   if (isDrawn(frame)) return;
   const near = view.axes[2], [width, height] = pictureSize(), unit = pixel();
-  const size = setSize(gl.canvas, width, height);
+  const dots = window.devicePixelRatio * sharpness(), size = setSize(gl.canvas, width, height, dots);
 
   const places = data.spheres.map((_, k) => [k, sphere(frame, k)]).filter(([, at]) => finite(at));
   const deep = [...places.map(([, at]) => at), ...[0, 1, 2, 3, 4, 5, 6, 7].map(boxCorner)].map((at) => dot(near, plus(at, view.centre, -1)));
   const farthest = deep.reduce((a, b) => Math.max(a, Math.abs(b)), 0) + 4 * data.extent[0] + 4 * data.extent[1];
   const uniforms = {
     axes: view.axes.flat(), centre: view.centre, low: data.low, high: data.high, window: size, tiles: shapes.tiles,
-    scale: [2 / (unit * width), 2 / (unit * height), -1 / farthest], dot_size: unit / window.devicePixelRatio,
+    scale: [2 / (unit * width), 2 / (unit * height), -1 / farthest], dot_size: unit / dots,
     depths: [deep.reduce((a, b) => Math.max(a, b)), deep.reduce((a, b) => Math.min(a, b))],
     opacity: 1, rim: 0, edge: 0, occluded: false,
   };
@@ -167,7 +167,7 @@ function drawPicture(frame) {
   gl.disable(gl.SAMPLE_ALPHA_TO_COVERAGE);
   gl.enable(gl.BLEND);
   gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
-  shapes.lines(boxEdges(), { ...uniforms, rim: data.line_pixels * window.devicePixelRatio * letterScale() });
+  shapes.lines(boxEdges(), { ...uniforms, rim: data.line_pixels * dots * letterScale() });
   if (!hasHip) return;
   // The HIP, and fainter what of it is behind something.
   for (const [test, opacity] of [[gl.GREATER, data.hidden_opacity], [gl.LESS, data.hip_opacity]]) {
