@@ -3,7 +3,7 @@
 
 const kMostMilliseconds = 31;  // of a picture that moves
 const kRestMilliseconds = 250;
-const kCurveMilliseconds = 100;
+const kCurveMilliseconds = [100, 300];  // the second where pictures have fewer pixels
 const kLeastSharp = 0.4;
 let sharp = 1;            // the part of the screen's pixels, along a side, that a picture in motion has
 let lastCost = 0;         // milliseconds until the browser wanted the next picture
@@ -42,7 +42,7 @@ function sharpness() {
 
 /// Whether the curves are drawn with this picture; if not, they are soon.
 function curvesAreDue() {
-  const now = performance.now(), wait = following() ? curvesAt + kCurveMilliseconds - now : 0;
+  const now = performance.now(), wait = following() ? curvesAt + kCurveMilliseconds[Number(sharp < 1)] - now : 0;
   if (wait > 0) {
     curvesLater ??= setTimeout(drawSoon, wait);
     return false;
