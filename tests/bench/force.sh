@@ -5,11 +5,11 @@
 # sent in place of these.
 #
 #   tests/bench/force.sh [BUILD] [TICKS] [SESSIONS] [POINTS] [MODELS]
-#           (default: build 200000 1000 '20 30 60' 'hung-ball alanine-dipeptide butane leu-enkephalin')
+#           (default: build 200000 1000 '20 30 40' 'hung-ball alanine-dipeptide butane leu-enkephalin')
 #
-# The grids are computed first: with 60 points some 20 minutes of CPU time, most of it leu-enkephalin's. The pictures
+# The grids are computed first: some six minutes of CPU time, most of it leu-enkephalin's. The pictures
 # force-error.png and closed-loop.png are left where it was started.
-ticks=${2:-200000} sessions=${3:-1000} points=${4:-20 30 60} into=$PWD
+ticks=${2:-200000} sessions=${3:-1000} points=${4:-20 30 40} into=$PWD
 models=${5:-hung-ball alanine-dipeptide butane leu-enkephalin}
 source "$(dirname "$0")/lib.sh"
 molecules=$HAPGRID_SOURCE/examples/molecule
@@ -75,12 +75,15 @@ into, *models = sys.argv[1:]
 with style.house_style():
     drawn = style.figure(6.2, 2.5 * ((len(models) + 1) // 2))
     for number, model in enumerate(models):
-        axes = drawn.add_subplot((len(models) + 1) // 2, 2, number + 1)
+        axes = drawn.add_subplot((len(models) + 1) // 2, 2, number + 1, sharey=axes if number else None)
         for force, colour, marker in zip(("energy", "records", "state"), style.COLOURS, style.MARKERS):
             if os.path.exists(f"{model}.{force}"):
                 conversions, error = numpy.loadtxt(f"{model}.{force}", ndmin=2)[:, :2].T
                 axes.plot(conversions, error, color=colour, marker=marker, label=force)
         axes.set(xscale="log", yscale="log", title=model, xlabel="conversions", ylabel="median error of the force / N")
+        if number % 2:
+            axes.set(ylabel="")
+            axes.tick_params(labelleft=False)
         if number == 0:
             axes.legend()
     style.save(drawn, f"{into}/force-error.png")

@@ -38,6 +38,7 @@ import numpy as np
 grid = hapgrid.read("grid")
 dump = np.array([line.split("\t")[:6] for line in open("dump") if line[0] != "#"], float)
 assert len(dump) >= 12
+assert f"{len(dump)} records with point, level, " in repr(grid), grid
 assert (grid["point"] == dump[:, :3]).all() and (grid["level"] == dump[:, 3]).all()
 assert (grid["state"] == dump[:, 4:]).all()
 # In closed form: the state is half of where the HIP is, and the force leads back from it.

@@ -65,7 +65,9 @@ for level in 0, 1:
     reader.Update()
     image = reader.GetOutput()
     assert image.GetDimensions() == (20, 10, 10) and image.GetSpacing() == (0.1,) * 3
-    data = image.GetPointData()
+    texts, data = image.GetFieldData(), image.GetPointData()
+    assert texts.GetAbstractArray("model").GetValue(0) == hapgrid.read("grid").known["model"]
+    assert [data.GetArray("force").GetComponentName(a) for a in range(3)] == ["x", "y", "z"]
     assert (vtk_to_numpy(data.GetArray("levels")) == levels).all()
     here = known["level"] == level
     i, j, k = known["point"][here].T

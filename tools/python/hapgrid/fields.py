@@ -8,8 +8,8 @@ from typing import Any
 
 from hapgrid.files import model_words, program
 from hapgrid.frames import read_frames, read_spheres
-from hapgrid.quantities import AXES, plane_arrays, report
-from hapgrid.style import ENERGY, FORCE, GREY, figure, house_style, label, place, plain, sign
+from hapgrid.quantities import AXES, plane_arrays, plane_name, report
+from hapgrid.style import ENERGY, FORCE, GREY, figure, house_style, label, plain, sign
 
 ARROWS = 22  # along the longer side
 CONTOURS = 12
@@ -65,7 +65,7 @@ def field(grid: str | os.PathLike[str], plane: str | None = None, model_path: st
                         scale_units="xy", scale=most / (1.6 * step * spacing), width=0.004, zorder=3)
         axes.set_xlim(x[0] - spacing / 2, x[-1] + spacing / 2)
         axes.set_ylim(y[0] - spacing / 2, y[-1] + spacing / 2)
-        where = f"{known['model']} at {AXES[axis]} = {place(origin[axis] + index * spacing, spacing)} {sign(unit)}".rstrip()
+        where = f"{known['model']} at {plane_name(axis, origin[axis] + index * spacing, spacing, unit, plane)}"
         energies = f"energy contours in {sign(known['energy_unit']) or 'its unit'}, " if high == high else ""
         axes.set_title(f"{plain(where)}\n{plain(energies)}the longest arrow is {most:.2g} N")
         axes.set(xlabel=label(AXES[u], unit), ylabel=label(AXES[v], unit))

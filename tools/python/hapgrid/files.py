@@ -25,13 +25,28 @@ def model_words(folder: str | os.PathLike[str] | None) -> list[str]:
     return [] if folder is None else ["--model-path", os.fspath(folder)]
 
 
+class Grid(dict[str, Any]):
+    """The arrays of a grid by name. known: what stats says of it as JSON, such as "model", "length_unit" and "energy_unit"."""
+
+    def __init__(self, arrays: dict[str, Any], known: dict[str, Any]) -> None:
+        super().__init__(arrays)
+        self.known = known
+
+    def __repr__(self) -> str:
+        box, unit = self.known["box"], self.known["length_unit"] or "of the model's unit"
+        points = f"{' x '.join(map(str, box['counts']))} points, {box['spacing']:g} {unit} apart"
+        columns = ", ".join(name for name in self if name not in box)
+        return f"<Grid of {self.known['model']}: {points}, {len(self['level'])} records with {columns}>"
+
+
 def read(path: str | os.PathLike[str], grid: str | os.PathLike[str] | None = None,
          model_path: str | os.PathLike[str] | None = None) -> dict[str, Any]:
     """The arrays of a grid, a session, a text log or a file of frames, as a dict from their names to arrays of NumPy.
 
     hapgrid-stats(1) lists those of a grid and of a session. A grid's have a row for each record: "point" (n x 3),
     "level", "state" (n x m), "force" (n x 3, where it is stored) and more; "origin", "spacing" and "counts" are those of
-    the box. What play wrote is one array with fields, a row for each tick or frame:
+    the box. It is a Grid, whose `known` has the model's name, the units and more. What play wrote is one array
+    with fields, a row for each tick or frame:
 
         "ticks"    of a session: t, hip, force (the model's), sent, levels, flags, lateness_us, compute_us; of a text log:
                    t, hip, force, sent, levels, state and, where the model has them, energy and own_energy
@@ -58,10 +73,13 @@ def read(path: str | os.PathLike[str], grid: str | os.PathLike[str] | None = Non
 
 def write_vti(grid: str | os.PathLike[str], path: str | os.PathLike[str], level: int = 0) -> None:
     """Writes an image of a grid that ParaView and VTK open: "levels", how many a point has, and the state, the force and
-    the energy of the records at `level`, where the grid stores them; not a number where a point has no such record."""
+    the energy of the records at `level`, where the grid stores them; not a number where a point has no such record. The
+    names of the model and of its units are texts of the image's field data."""
     import numpy
 
     arrays = read(grid)
+    if not isinstance(arrays, Grid):
+        raise ValueError(f"{os.fspath(grid)}: not a grid")
     points = arrays["point"] @ numpy.cumprod([1, *arrays["counts"][:2]])  # x is the fastest
     here, size = arrays["level"] == level, int(numpy.prod(arrays["counts"]))
     if not here.any():
@@ -71,15 +89,20 @@ def write_vti(grid: str | os.PathLike[str], path: str | os.PathLike[str], level:
         data[name] = numpy.full((size, arrays[name][0].size), numpy.nan)
         data[name][points[here]] = arrays[name][here].reshape(here.sum(), -1)
     extent = " ".join(f"0 {n - 1}" for n in arrays["counts"])
-    names, offset = "", 0
+    names, offset, axes = "", 0, "".join(f' ComponentName{a}="{axis}"' for a, axis in enumerate("xyz"))
+    texts = ""
+    for name in "model", "length_unit", "energy_unit":
+        letters = " ".join(map(str, [*arrays.known[name].encode(), 0]))
+        texts += f'<Array type="String" Name="{name}" NumberOfTuples="1" format="ascii">{letters}</Array>'
     for name, values in data.items():
-        names += (f'<DataArray type="{"UInt16" if name == "levels" else "Float64"}" Name="{name}" '
+        names += (f'<DataArray type="{"UInt16" if name == "levels" else "Float64"}" Name="{name}"{axes if name == "force" else ""} '
                   f'NumberOfComponents="{values.size // size}" format="appended" offset="{offset}"/>')
         offset += 8 + values.nbytes
     with open(path, "wb") as file:
         file.write(f'<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian" header_type="UInt64"><ImageData '
                    f'WholeExtent="{extent}" Origin="{" ".join(map(repr, arrays["origin"].tolist()))}" '
-                   f'Spacing="{" ".join([repr(float(arrays["spacing"]))] * 3)}"><Piece Extent="{extent}"><PointData '
+                   f'Spacing="{" ".join([repr(float(arrays["spacing"]))] * 3)}"><FieldData>{texts}</FieldData>'
+                   f'<Piece Extent="{extent}"><PointData '
                    f'Scalars="levels">{names}</PointData></Piece></ImageData><AppendedData encoding="raw">_'.encode())
         for values in data.values():
             file.write(values.nbytes.to_bytes(8, "little") + values.tobytes())
@@ -98,9 +121,10 @@ def _arrays(path: str) -> dict[str, Any]:
             rows = numpy.load(io.BytesIO(result.stdout))
             if kind:
                 return {"ticks": rows}
-            words = [program("stats"), os.path.abspath(path), "--get", "box"]
-            box = json.loads(subprocess.run(words, capture_output=True, check=True).stdout)
-            return {name: rows[name] for name in rows.dtype.names} | {name: numpy.array(value) for name, value in box.items()}
+            words = [program("stats"), os.path.abspath(path), "--format", "json"]
+            known = json.loads(subprocess.run(words, capture_output=True, check=True).stdout)
+            box = {name: numpy.array(value) for name, value in known["box"].items()}
+            return Grid({name: rows[name] for name in rows.dtype.names} | box, known)
         told.append(result.stderr.decode(errors="replace").strip())
     why = told[0] if "not a session" in told[1] or "--log" in told[1] else told[1]
     raise ValueError(f"{path}: {why}")

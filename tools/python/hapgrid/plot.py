@@ -19,9 +19,9 @@ from typing import Any, TypeAlias
 
 from hapgrid.fields import field
 from hapgrid.files import program
-from hapgrid.quantities import AXES, Play, beside, plane_arrays, report
+from hapgrid.quantities import AXES, Play, beside, plane_arrays, plane_name, report
 from hapgrid.style import (BLUE, COLOURS, ENERGY, GREY, MARKERS, ORANGE, PURPLE, SNAP, TEXT, figure, house_style, label, legend,
-                           limits, place, plain, save, sign)
+                           limits, plain, save)
 
 Name: TypeAlias = str | os.PathLike[str]
 Files: TypeAlias = Name | Iterable[Name]
@@ -52,7 +52,6 @@ def slice(grid: str | os.PathLike[str], plane: str | None = None) -> Any:
     low, high = (origin[[u, v]] - spacing / 2), origin[[u, v]] + (counts[[u, v]] - 0.5) * spacing
     width, height = high - low
     scale = min(4.6 / width, 4.2 / height)
-    at = place(origin[axis] + index * spacing, spacing)
     with house_style() as module:
         drawn = figure(max(width * scale, 1.2) + 1.6, max(height * scale, 0.8) + 0.85)
         axes = drawn.add_subplot()
@@ -60,7 +59,7 @@ def slice(grid: str | os.PathLike[str], plane: str | None = None) -> Any:
         axes.imshow(levels, origin="lower", extent=(low[0], high[0], low[1], high[1]), aspect="equal", vmin=-0.5, vmax=most + 0.5,
                     cmap=module.colors.ListedColormap(["white", *colours]))
         unit = known["length_unit"]
-        title = f"{known['model']}, levels at {AXES[axis]} = {at} {sign(unit)}".rstrip()
+        title = f"{known['model']}, levels at {plane_name(axis, origin[axis] + index * spacing, spacing, unit, plane)}"
         axes.set(xlabel=label(AXES[u], unit), ylabel=label(AXES[v], unit), title=plain(title))
         _levels_legend(drawn, axes, levels, colours)
     return drawn

@@ -7,7 +7,7 @@ import subprocess
 from typing import Any
 
 from hapgrid.files import program, read
-from hapgrid.style import label, plain
+from hapgrid.style import label, place, plain, sign
 
 AXES = "xyz"
 WORDS = {"t": "time", "force": "force", "sent": "force", "energy": "energy", "own_energy": "energy",
@@ -51,6 +51,13 @@ def plane_arrays(grid: str | os.PathLike[str], plane: str | None) -> tuple[dict[
     axis, index = plane_of(plane, arrays["origin"], float(arrays["spacing"]), arrays["counts"].astype(int))
     u, v = (a for a in range(3) if a != axis)
     return arrays, axis, index, u, v
+
+
+def plane_name(axis: int, at: float, spacing: float, unit: str, asked: str | None) -> str:
+    """Where a plane of points is, as "z = 0.5 Å", and that it is not where it was asked for."""
+    name = f"{AXES[axis]} = {place(at, spacing)} {sign(unit)}".rstrip()
+    away = asked is not None and abs(float(asked.partition("=")[2]) - at) > 1e-6 * spacing
+    return name + (f", the nearest to {asked}" if away else "")
 
 
 class Play:
