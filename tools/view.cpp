@@ -187,6 +187,7 @@ int run(const Options& options) {
     if (png) chosen.offer(frame);
     if (html) shown += (first ? ",\n" : "") + script_of(page_frame(scene, frame, how));
     if (!first) first = frame;
+    add_to_way(scene, frame, how);
     if (xyz) xyz->write(xyz_frame(reader, frame, options.hip_label));
   }
   if ((png || html) && !first)

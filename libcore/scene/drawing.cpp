@@ -235,6 +235,19 @@ std::array<double, 4> arrow_sizes(const Scene& scene, const Frame& frame,
           std::min(0.35 * length, 1.7 * hip)};
 }
 
+void add_to_way(const Scene& scene, const Frame& frame, RenderOptions& options) {
+  if (!finite(frame.position)) return;
+  const double length = arrow_sizes(scene, frame, options)[0];
+  const double part = length > 0 ? length / length_of(frame.force) : 0;
+  if (!options.way) options.way = {frame.position, frame.position};
+  for (const Vec3& place : {frame.position, frame.position + part * frame.force})
+    for (int a = 0; a < 3; ++a) {
+      auto& [low, high] = *options.way;
+      low[a] = std::min(low[a], place[a]);
+      high[a] = std::max(high[a], place[a]);
+    }
+}
+
 PictureAxes::PictureAxes(const Camera& camera) {
   const double a = camera.azimuth_degrees * std::numbers::pi / 180;
   const double e = camera.elevation_degrees * std::numbers::pi / 180;
@@ -262,7 +275,12 @@ std::array<double, 3> fit_extent(const Scene& scene, const Frame& frame,
     see(sphere_centre(frame, i), scene.spheres[i].radius);
   const double rightmost = high[0];
   const double room = options.hip ? hip_radius(scene, options) : 0;
-  for (int c = 0; c < 8; ++c) see(corner(scene.box, c), room);
+  for (int c = 0; c < 8; ++c) {
+    Vec3 at = corner(scene.box, c);
+    if (options.way)
+      for (int a = 0; a < 3; ++a) at[a] = (*options.way)[c >> a & 1][a];
+    see(at, room);
+  }
   const Vec3 middle{0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2])};
   camera.centre = middle[0] * axes.right + middle[1] * axes.up + middle[2] * axes.near;
   return {0.5 * kAround * (high[0] - low[0]), 0.5 * kAround * (high[1] - low[1]),

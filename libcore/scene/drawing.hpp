@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -71,7 +72,12 @@ struct RenderOptions {
   int letter_scale = 1;
   bool sticks = false;  ///< smaller balls, and sticks between those that are joined (bonds.hpp)
   bool flash = false;   ///< rings at the HIP, because the model snapped
+  /// The lowest and the highest coordinates of what the pictures of a play show of the HIP and its
+  /// force, to which the camera is fitted; without it to the whole box.
+  std::optional<std::array<Vec3, 2>> way = std::nullopt;
 };
+/// Puts a frame's HIP and arrow on the way.
+void add_to_way(const Scene& scene, const Frame& frame, RenderOptions& options);
 
 /// Parts of the radius of a sphere, and of the smaller of two, in the style of balls and sticks.
 /// Whole spheres that are joined and leave a gap have sticks between them that are as thick beside
