@@ -328,6 +328,14 @@ Drawing draw(const Scene& scene, const Frame& frame, const Camera& camera,
     const double radius = hip_radius(scene, options);
     add_arrow(scene, frame, options, project, all.balls);
     all.translucent.push_back({hip, radius * project.scale, kHipColour});
+    if (options.sticks && length_of(frame.force) > 0)
+      for (std::size_t i = 0; i < scene.spheres.size(); ++i) {
+        const double away = length_of(sphere_centre(frame, i) - frame.position);
+        const Sphere& sphere = scene.spheres[i];
+        if (away > sphere.radius && away < kTouch * (sphere.radius + radius))
+          all.touched.push_back(
+              {project(sphere_centre(frame, i)), sphere.radius * project.scale, sphere.colour});
+      }
     if (options.box) add_shadow(scene, frame.position, radius, project, all.shadows);
     if (finite(frame.hand)) add_hand(project(frame.hand), hip, options, all.overlay);
     const double pixels = radius * project.scale / options.supersampling / options.letter_scale;

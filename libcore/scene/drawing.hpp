@@ -117,6 +117,11 @@ inline constexpr Colour kInk{0.16F, 0.17F, 0.2F};
 inline constexpr float kHipOpacity = 0.6F;
 /// Opacity of the HIP where something stands before it, so that the HIP is never hidden.
 inline constexpr float kHiddenOpacity = 0.5F;
+/// Of the whole spheres that touch the HIP, which are drawn over sticks while there is a force.
+inline constexpr float kTouchedOpacity = 0.3F;
+/// How near a sphere is that touches the HIP, in sums of both radii: a model may let them be a
+/// little apart.
+inline constexpr double kTouch = 1.05;
 
 // Coordinates and lengths in a drawing are in distances of neighbouring rays: x to the right and y
 // down from the picture's upper left corner, z towards the viewer from the camera's centre. Each
@@ -145,6 +150,7 @@ struct Drawing {
   std::vector<Line> lines;        ///< the box
   std::vector<Ball> balls;        ///< the spheres; sticks and the arrow are rows of balls
   std::size_t spheres = 0;        ///< the first of the balls: they darken each other
+  std::vector<Ball> touched;      ///< spheres, with kTouchedOpacity
   std::vector<Ball> translucent;  ///< the HIP, with kHipOpacity, or kHiddenOpacity behind the rest
   std::vector<Line> overlay;      ///< drawn over everything else, in this order
   std::vector<Label> labels;      ///< over all of that

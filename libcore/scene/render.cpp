@@ -164,7 +164,6 @@ class Band {
       const float part = behind ? hidden : opacity;
       const Colour lit = shade(ball.colour, normal, 1, 0);
       for (int c = 0; c < 3; ++c) colour_[i][c] = part * lit[c] + (1 - part) * colour_[i][c];
-      if (!behind) depth_[i] = ball.centre[2] + dz;
     });
   }
 
@@ -306,6 +305,7 @@ Image render(const Scene& scene, const Frame& frame, const Camera& camera,
       band.draw(ball, static_cast<int>(i));
     }
     band.light(all, occluders, n);
+    for (const Ball& ball : all.touched) band.draw_translucent(ball, kTouchedOpacity, 0);
     for (const Ball& ball : all.translucent)
       band.draw_translucent(ball, kHipOpacity, kHiddenOpacity);
     for (const Line& line : all.overlay) band.draw(line, /*over=*/true);

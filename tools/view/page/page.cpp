@@ -86,6 +86,8 @@ Json page_scene(const Scene& scene, const Frame& frame, const RenderOptions& opt
       {"hip_rgb", kHipColour},
       {"hip_opacity", kHipOpacity},
       {"hidden_opacity", kHiddenOpacity},
+      {"touched_opacity", kTouchedOpacity},
+      {"touch", kTouch},
       {"force_rgb", kForceColour},
       {"hand_colour", css(kHipColour)},
       {"force_colour", css(kForceColour)},

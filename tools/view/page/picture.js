@@ -96,6 +96,12 @@ function drawLights(places, balls, uniforms) {
   shapes.lights(balls, uniforms);
 }
 
+/// The spheres that touch the HIP.
+const touchedOf = (places, hip) => places.filter(([k, at]) => {
+  const away = distance(at, hip), radius = data.spheres[k][0];
+  return away > radius && away < data.touch * (radius + data.hip_radius);
+});
+
 function floorOf(balls) {
   const [x, y] = [0, 1].map((a) => (data.low[a] + data.high[a]) / 2);
   const shadows = balls.filter(([at]) => at[2] > data.low[2])
@@ -169,10 +175,12 @@ function drawPicture(frame) {
   gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
   shapes.lines(boxEdges(), { ...uniforms, rim: data.line_pixels * dots * letterScale() });
   if (!hasHip) return;
+  gl.depthMask(false);
+  const touched = sticks && frame.size > 0 ? touchedOf(places, frame.hip) : [];
+  shapes.balls(touched.flatMap(([k, at]) => [...at, ...data.spheres[k]]), { ...uniforms, opacity: data.touched_opacity, depths: [0, 0] });
   // The HIP, and fainter what of it is behind something.
   for (const [test, opacity] of [[gl.GREATER, data.hidden_opacity], [gl.LESS, data.hip_opacity]]) {
     gl.depthFunc(test);
-    gl.depthMask(false);
     shapes.balls([...frame.hip, data.hip_radius, ...data.hip_rgb], { ...uniforms, opacity, depths: [0, 0] });
   }
   gl.depthMask(true);
