@@ -20,7 +20,7 @@ hapgrid dock "$host" "$ligand" -o coarse --centre 0,0,2.5 --size 0.5,0.5,0.5 --m
 # Above the cavity, where few orientations are minima.
 hapgrid dock "$host" "$ligand" -o small --centre 0,0,4 --size 1.6,1.6,1.6 --spacing 0.8 --map-spacing 0.375 -q >line
 same 'the line to feel it' 'hapgrid feel small/small.grid' "$(cat line)"
-for made in index.html feel.html poses.tsv path.txt inside.png outside.png energy.png force.png played.html verify.txt; do
+for made in index.html feel.html poses.tsv path.txt inside.png outside.png played.html verify.txt; do
   [[ -s small/$made ]] || fail "small/$made is not there"
 done
 # Its page plays it, though a state has an orientation: each number is that of play.

@@ -30,13 +30,14 @@ nothing_left . seeds requests
 # Progress is shown on a terminal, never in a log.
 expect 0 '' '' -- expand --complete seeds -o out
 
-# What a long command needs is looked for before it begins: here, without the module that draws its last pictures.
-for command in molecule table dock; do
-  refuses "$command: .*matplotlib.* missing: install the Debian packages? .*python3-matplotlib.*, or .*by pip install 'hapgrid.$command.'" -- \
+# What a long command needs is looked for before it begins: here, without a module.
+for command in molecule:scipy table:matplotlib dock:scipy; do
+  module=${command#*:} command=${command%:*}
+  refuses "$command: .*$module.* missing: install the Debian packages? .*python3-$module.*, or .*by pip install 'hapgrid.$command.'" -- \
     /usr/bin/python3 -c 'import runpy, sys
-sys.modules["matplotlib"] = None
 sys.path.insert(0, sys.argv.pop(1))
-runpy.run_module("hapgrid.apps." + sys.argv.pop(1), run_name="__main__")' "$HAPGRID_BIN/../python" $command nowhere -o dir
+sys.modules[sys.argv.pop(1)] = None
+runpy.run_module("hapgrid.apps." + sys.argv.pop(1), run_name="__main__")' "$HAPGRID_BIN/../python" $module $command nowhere -o dir
   [[ ! -e dir ]] || fail "$command began"
 done
 

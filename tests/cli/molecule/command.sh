@@ -56,7 +56,7 @@ same "the line" "hapgrid play ethanol/ethanol.grid --device path:ethanol/path-" 
 awk -F'\t' 'NR == 1 { for (i = 1; i <= NF; i++) { if ($i == "s0") first = i; if ($i == "force_x") force = i } next }
   { for (i = first; i < first + 3; i++) if ($i > most) most = $i; at = $first + $(first + 1) + $(first + 2); last = $force }
   END { exit !(most > 0.5 && at < 0.01 && last == 0) }' log || fail "the way turns nothing, or not back"
-for file in index.html feel.html played.html energy.png force.png ethanol.toml verify.txt; do
+for file in index.html feel.html played.html ethanol.toml verify.txt; do
   [[ -s ethanol/$file ]] || fail "no $file"
 done
 

@@ -81,7 +81,7 @@ try_all() {
   define "$@"
   hapgrid table "$file" -o "$dir" "${@:3}" --quiet >line 2>said || fail "$(cat said)"
   same "the line to feel $dir" "hapgrid feel $dir/$dir.grid" "$(cat line)"
-  for made in index.html feel.html slices.png force.png energy.png played.html path.txt verify.txt; do
+  for made in index.html feel.html slices.png played.html path.txt verify.txt; do
     [[ -s $dir/$made ]] || fail "$dir/$made is not there"
   done
   play "$dir/$dir.grid" --device "path:$dir/path.txt" 2>said

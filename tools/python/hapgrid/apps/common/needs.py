@@ -25,11 +25,10 @@ def _loads(library: str) -> bool:
 def look_for(command: str, arguments: Sequence[str], modules: Sequence[str], libraries: Sequence[tuple[str, str]] = (),
              programs: Sequence[tuple[str, str]] = ()) -> None:
     """Ends the command with one line that names what is missing, Debian's packages, and the extra by which pip gets modules.
-    modules: of Python, besides those that draw, which a run with --until does without; libraries, programs: (file, package)."""
+    modules: of Python; libraries, programs: (file, package)."""
     if {"-h", "--help"} & set(arguments):
         return
-    draws = not any(word.split("=")[0] == "--until" for word in arguments)
-    packages = {name: f"python3-{name}" for name in (*modules, *(["matplotlib"] if draws else []))}
+    packages = {name: f"python3-{name}" for name in modules}
     missing = {name: package for name, package in packages.items() if importlib.util.find_spec(name) is None}
     missing |= {file: package for file, package in libraries if not _loads(file)}
     missing |= {file: package for file, package in (*programs, ("setpriv", "util-linux")) if shutil.which(file) is None}

@@ -196,7 +196,7 @@ def _page(work: Work, name: str) -> list[str]:
     edge = ((deepest == 0) | (deepest == counts - 1)).any()
     if edge:
         work.say("  the deepest pose lies on the edge of the box, so deeper ones may lie outside: see --size and --centre")
-    made = ["path.txt", "poses.tsv", *page.along(work, grid, "kJ/mol", "angstrom")]
+    made = ["path.txt", "poses.tsv", *page.along(work, grid)]
     for picture, at in (("outside.png", 0.0), ("inside.png", TICKS / 1000)):
         work.run("view", "played.frames", "--at", at, "--png", picture)
         made.append(picture)
@@ -207,7 +207,6 @@ def _page(work: Work, name: str) -> list[str]:
 <iframe src="played.html" title="the ligand on its way"></iframe>
 <h2>The way in and back</h2>
 <img src="outside.png" alt="outside"> <img src="inside.png" alt="inside">
-<img src="energy.png" alt="energy on the way"> <img src="force.png" alt="force on the way">
 <h2>The deepest poses</h2>
 {"<p>The deepest one lies on the edge of the box, so deeper ones may lie outside." if edge else ""}
 <table><tr><th>energy / (kJ/mol)<th>x / Å<th>y / Å<th>z / Å{table}</table>""")

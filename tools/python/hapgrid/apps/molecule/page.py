@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from .torsions import Torsion
 
 ALL_BONDS = 4 | 8  # of RDKit: bonds between all atoms, each once
-CURVES = (("energy.png", "own_energy", "energy of the molecule / (kJ/mol)"), ("force.png", "sent", "force on the hand / N"))
 METHODS = {"gfn2": "GFN2-xTB", "gfnff": "GFN-FF"}
 FEEL = """<p><a href="feel.html">Move the molecule with the mouse or a finger</a>: this page needs neither hapgrid nor a
 network, and can be sent to others."""
@@ -47,8 +46,6 @@ def write(start: Start, turned: Sequence[Torsion], ways: Sequence[str]) -> list[
         watch=lambda gone: folder.waiting("playing the way", gone, None))
     run("view", "played.frames", "--xyz", "played.xyz")
     folder.write("played.pdb", pdb(start.molecule.rd, frames(folder.path("played.xyz"))[0]))
-    for name, column, label in CURVES:
-        run("plot", "columns", "played.log", "--y", column, "--labels", f"time / s,{label}", "-o", name)
     log = read_log(folder.read("played.log"))
     x, y = (log[a] - log[a][0] for a in "xy")
     far = int((x**2 + y**2).argmax())
@@ -58,8 +55,7 @@ def write(start: Start, turned: Sequence[Torsion], ways: Sequence[str]) -> list[
     run("view", "played.frames", "--azimuth", azimuth, "--elevation", "10", "--html", "played.html")
     felt = folder.feel_page(f"{folder.name()}.grid")
     folder.write("index.html", page(start, turned, ways, felt))
-    return [*felt, "played.log", "played.frames", "played.xyz", "played.pdb", *(name for name, *_ in CURVES), "played.html",
-            "index.html"]
+    return [*felt, "played.log", "played.frames", "played.xyz", "played.pdb", "played.html", "index.html"]
 
 
 def pdb(rd: Chem.Mol, first: Frame) -> str:

@@ -116,21 +116,11 @@ def slices(work: Work, values: Values) -> str:
     return "slices.png"
 
 
-def along(work: Work, grid: str, unit: str, length_unit: str, prefix: str = "") -> list[str]:
-    """Plays the way; pictures of force and energy along it, and the play in a page."""
-    work.run("play", grid, "--device", f"path:{prefix}path.txt", "--log", f"{prefix}played.log", "--frames",
-             f"{prefix}played.frames")
-    with open(work.path(f"{prefix}path.txt"), encoding="utf-8") as file:
-        points = np.loadtxt(file)
-    axis = "xyz"[int(np.argmax(np.ptp(points, axis=0)))]
-    style = plots.style()
-    where = style.label(f"{axis} of the HIP", length_unit)
-    for picture, column, label in ((f"{prefix}force.png", f"force_{axis}", f"{axis} of the force / N"),
-                                   (f"{prefix}energy.png", "energy", style.label("energy", unit))):
-        work.run("plot", "columns", f"{prefix}played.log", "--x", axis, "--y", column, "--labels", f"{where},{label}", "-o",
-                 picture)
-    work.run("view", f"{prefix}played.frames", "--html", f"{prefix}played.html")
-    return [f"{prefix}{n}" for n in ("force.png", "energy.png", "played.html", "played.log", "played.frames")]
+def along(work: Work, grid: str) -> list[str]:
+    """Plays the way: a page shows it, with force and energy. [the files]"""
+    work.run("play", grid, "--device", "path:path.txt", "--log", "played.log", "--frames", "played.frames")
+    work.run("view", "played.frames", "--html", "played.html")
+    return ["played.html", "played.log", "played.frames"]
 
 
 def write_frame(work: Work, name: str, body: str) -> list[str]:
@@ -151,7 +141,7 @@ def write_frame(work: Work, name: str, body: str) -> list[str]:
 <p>Another device goes behind <code>hapgrid play {title}.grid --device</code>: see <code>hapgrid play --help</code>.
 {body}
 <h2>The grid</h2>
-<pre>{html.escape(work.read("verify.txt"))}</pre>
+<details><summary>What verify found in the grid</summary><pre>{html.escape(work.read("verify.txt"))}</pre></details>
 <p>The definition is <a href="{quoted}.toml">{title}.toml</a>: change it, and the same command computes the grid anew.
 """)
     return [*felt, "index.html"]
@@ -159,7 +149,7 @@ def write_frame(work: Work, name: str, body: str) -> list[str]:
 
 def write(work: Work, name: str, values: Values) -> list[str]:
     grid = f"{name}.grid"
-    made = ["path.txt", slices(work, values), *along(work, grid, values.unit, values.length_unit)]
+    made = ["path.txt", slices(work, values), *along(work, grid)]
     scale = json.loads(work.run("stats", grid, "--format", "json")[0]).get("force_scale")
     e = values.energy
     unit, length = html.escape(values.unit or "units of energy"), html.escape(values.length_unit or "units of length")
@@ -175,6 +165,5 @@ def write(work: Work, name: str, values: Values) -> list[str]:
 <img src="slices.png" alt="three planes">
 <h2>A way through the lowest point and back</h2>
 <p>Blue balls are the deepest minima.
-<iframe src="played.html" title="the way"></iframe>
-<img src="energy.png" alt="energy on the way"> <img src="force.png" alt="force on the way">""")
+<iframe src="played.html" title="the way"></iframe>""")
     return made
