@@ -64,4 +64,6 @@ if test -n "${SSH_CONNECTION-}"; then
   echo "hapgrid: feel: over ssh: on your own machine, scp $(uname -n):$(realpath "$file") . and open it there" >&2
 elif test -n "${DISPLAY-}${WAYLAND_DISPLAY-}" && command -v xdg-open >/dev/null; then
   xdg-open "$file" >/dev/null 2>&1 </dev/null &
+elif test "$(id -u)" = 0 && test "$said" != "$file"; then
+  echo 'hapgrid: feel: only root can read it there; -o FILE.html puts it elsewhere' >&2
 fi

@@ -300,6 +300,23 @@ Camera fit_camera(const Scene& scene, const Frame& frame, const RenderOptions& o
   return camera;
 }
 
+namespace {
+
+/// The spheres that touch the HIP; none where it is inside of one, as of an atom that it holds.
+void add_touched(const Scene& scene, const Frame& frame, double hip_radius,
+                 const Projection& project, std::vector<Ball>& touched) {
+  for (std::size_t i = 0; i < scene.spheres.size(); ++i) {
+    const Sphere& sphere = scene.spheres[i];
+    const Vec3 centre = sphere_centre(frame, i);
+    const double away = length_of(centre - frame.position);
+    if (away < sphere.radius) return touched.clear();
+    if (away < kTouch * (sphere.radius + hip_radius))
+      touched.push_back({project(centre), sphere.radius * project.scale, sphere.colour});
+  }
+}
+
+}  // namespace
+
 Drawing draw(const Scene& scene, const Frame& frame, const Camera& camera,
              const RenderOptions& options) {
   const Projection project(camera, options);
@@ -329,13 +346,7 @@ Drawing draw(const Scene& scene, const Frame& frame, const Camera& camera,
     add_arrow(scene, frame, options, project, all.balls);
     all.translucent.push_back({hip, radius * project.scale, kHipColour});
     if (options.sticks && length_of(frame.force) > 0)
-      for (std::size_t i = 0; i < scene.spheres.size(); ++i) {
-        const double away = length_of(sphere_centre(frame, i) - frame.position);
-        const Sphere& sphere = scene.spheres[i];
-        if (away > sphere.radius && away < kTouch * (sphere.radius + radius))
-          all.touched.push_back(
-              {project(sphere_centre(frame, i)), sphere.radius * project.scale, sphere.colour});
-      }
+      add_touched(scene, frame, radius, project, all.touched);
     if (options.box) add_shadow(scene, frame.position, radius, project, all.shadows);
     if (finite(frame.hand)) add_hand(project(frame.hand), hip, options, all.overlay);
     const double pixels = radius * project.scale / options.supersampling / options.letter_scale;

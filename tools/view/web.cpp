@@ -92,7 +92,7 @@ class WebServer : public Server {
   std::string token_ = random_token();
   std::string page_ = page_text("null", "");
   std::map<lws*, Client> clients_;
-  bool has_frame_ = false;
+  Message newest_;  // frame, with which a page begins
 };
 
 std::string WebServer::address() const {
@@ -176,7 +176,9 @@ bool WebServer::admits(lws* wsi) const {
 
 void WebServer::begin(lws* wsi) {
   clients_[wsi] = {};
-  if (has_frame_) ::lws_callback_on_writable(wsi);
+  if (!newest_) return;
+  clients_[wsi].frames.push_back(newest_);
+  ::lws_callback_on_writable(wsi);
 }
 
 /// A confirmation is the line ".".
@@ -197,7 +199,7 @@ std::string WebServer::scene_text() const {
 /// One message at a time: libwebsockets asks again when the next one can go.
 int WebServer::speak(lws* wsi) {
   Client& client = clients_[wsi];
-  if (!has_frame_) return 0;
+  if (!newest_) return 0;
   std::string text;
   if (!client.told) {
     text = scene_text();
@@ -218,11 +220,10 @@ int WebServer::speak(lws* wsi) {
 }
 
 void WebServer::show() {
-  has_frame_ = true;
-  const auto message = std::make_shared<const std::string>(
+  newest_ = std::make_shared<const std::string>(
       script_of({{"frame", page_frame(feed_->scene(), frame_, options_.render)}}));
   for (auto& [wsi, client] : clients_) {
-    client.frames.push_back(message);
+    client.frames.push_back(newest_);
     if (client.frames.size() > kMostWaiting) client.frames.pop_front();
     ::lws_callback_on_writable(wsi);
   }

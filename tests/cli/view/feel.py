@@ -153,9 +153,9 @@ with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder, Browser(
     page.value("texts = [], drawText = (c, text) => texts.push(text), hand = [data.hand_high[0], hand[1], data.high[2]], wake()")
     page.wait("frames[frames.length - 1].hip[0] === data.high[0] && frames[frames.length - 1].size === 0")
     page.wait("draw(), texts.at(-1) === 'edge of the grid'")
-    # A torsion says its angle, and how high the next barrier is.
-    for strip in page.value("data.own.torsions.map((one, k) => [frames.at(-1).angles[k], barrierAhead(one[3], frames.at(-1).angles[k])])"):
-        assert -180 <= strip[0] <= 180 and strip[1] > 1, strip
+    # A torsion says its angle, and how high the barriers beside it are.
+    for strip in page.value("data.own.torsions.map((one, k) => [frames.at(-1).angles[k], ...barriersBeside(one[3], frames.at(-1).angles[k])])"):
+        assert -180 <= strip[0] <= 180 and min(strip[1:]) > 1, strip
     page.value("nextLevel()")
     page.wait(f"frames[frames.length - 1].time > {at_rest}")
     if not touch:

@@ -32,7 +32,8 @@ function extent(values, least) {
 
 /// Short, and with as many digits as the step between two ticks needs.
 function tickText(v, text, step) {
-  if (text.length <= 6 || v === 0) return text;
+  if (v === 0) return "0";
+  if (text.length <= 6) return text;
   return v.toExponential(clamp(Math.floor(Math.log10(Math.abs(v))) - Math.floor(Math.log10(step) + 1e-9), 0, 6));
 }
 

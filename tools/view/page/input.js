@@ -60,9 +60,9 @@ function showHelp() {
        "shift + drag: move the picture. t: a drag turns it.",
        "The ring is the hand. The ball follows it; where the model resists, the thread grows, and where the model snaps, it shrinks. Where no force acts it is dashed."]
     : ["drag, one finger, arrow keys: turn. Right drag, two fingers: move. Wheel, pinch: zoom."];
-  if (hand) lines.push("l: let go, and the ball moves to where no force acts.   n: another state of the model at this place, if the grid has one.",
-    "path: saves where the ball went, so that play --device path: repeats it.");
-  lines.push("space: stop, go on.   b: balls and sticks.   r: the first view.   s: save the picture.   h: this help, Esc ends it.");
+  if (hand) lines.push("let go (l): the ball moves to where next to no force acts.   next (n): another state of the model at this place, if the grid has one.",
+    "sound: a click at each snap.   The bar at the right is the force, up to the limit that is sent to a device.   path: saves where the ball went, so that play --device path: repeats it.");
+  lines.push("pause, play (space): stop, go on.   sticks (b).   fit (r): the first view.   save (s): the picture.   ? (h): this help, and its end.");
   if (data.keys) lines.push("In the terminal of play: " + data.keys);
   if (element("say").className) say(player ? introduction() : "");
   else say(lines.join("\n"), true);
@@ -163,6 +163,7 @@ function hold(id, act) {
 function listen() {
   const area = element("scene");
   area.addEventListener("pointerdown", (e) => {
+    if (element("say").className && player) showHelp();  // ends it
     area.setPointerCapture(e.pointerId);
     pointers.set(e.pointerId, [e.clientX, e.clientY]);
     e.preventDefault();

@@ -102,7 +102,7 @@ function drawHand(c, frame, place, width) {
   if (away > ring) drawThread(c, [at.map((x, i) => x + ring * (hip[i] - x) / away), hip], pulls ? data.hand_colour : kGrey, pulls ? [] : [5, 5]);
   if (outside && away > ring) {
     const text = "edge of the grid", half = c.measureText(text).width / 2;
-    drawText(c, text, clamp(at[0], half + 4, width - half - 4) - half, at[1] + 2 * ring);
+    drawText(c, text, clamp(at[0], half + 4, width - half - (hasForceBar() ? 70 : 4)) - half, at[1] + 2 * ring);
   }
   drawRing(c, at, ring, data.hand_colour);
 }

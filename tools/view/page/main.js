@@ -33,7 +33,9 @@ function decode(frame) {
 
 function build() {
   document.title = data.model + " - hapgrid";
-  sticks = data.sticks;
+  sticks = data.sticks || data.own?.torsions.length > 0;  // between which a bond is seen to turn
+  element("sticks").className = sticks ? "on" : "";
+  element("sticks").hidden = !data.names.some((name) => name);
   fit();
   if (built) return;  // a connection that was lost is there again
   built = true;

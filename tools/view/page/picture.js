@@ -96,11 +96,11 @@ function drawLights(places, balls, uniforms) {
   shapes.lights(balls, uniforms);
 }
 
-/// The spheres that touch the HIP.
-const touchedOf = (places, hip) => places.filter(([k, at]) => {
-  const away = distance(at, hip), radius = data.spheres[k][0];
-  return away > radius && away < data.touch * (radius + data.hip_radius);
-});
+/// The spheres that touch the HIP from outside.
+function touchedOf(places, hip) {
+  if (places.some(([k, at]) => distance(at, hip) < data.spheres[k][0])) return [];
+  return places.filter(([k, at]) => distance(at, hip) < data.touch * (data.spheres[k][0] + data.hip_radius));
+}
 
 function floorOf(balls) {
   const [x, y] = [0, 1].map((a) => (data.low[a] + data.high[a]) / 2);

@@ -106,12 +106,42 @@ function colourName(rgb) {
   return ["red", "orange", "yellow", "green", "blue", "purple"][[15, 45, 72, 165, 260, 320].findIndex((end) => hue >= -40 && hue < end)] ?? "red";
 }
 
+/// The sphere that the hand holds at the start, or -1.
+function heldSphere() {
+  const near = (one, k) => distance(sphere(frames[0], k), data.own.start) < 0.2 * (one[0] + data.hip_radius);
+  return frames[0].bonds.length === 0 ? -1 : data.spheres.findIndex(near);
+}
+
+/// Where the hand leads an atom around one bond, the first view is along this bond: the atom goes round in the picture.
+function lookAlongBond() {
+  const held = heldSphere(), [bond] = data.own.torsions;
+  if (held < 0 || data.own.torsions.length !== 1) return;
+  const [far, near] = bond.slice(0, 2).map((k) => sphere(frames[0], k)).sort((a, b) => distance(b, data.own.start) - distance(a, data.own.start));
+  const unit = (v) => v.map((x) => x / (Math.hypot(...v) || 1)), along = unit(plus(near, far, -1));
+  const up = unit(plus([0, 0, 1], along, -along[2])), side = [0, 1, 2].map((a) => up[(a + 1) % 3] * along[(a + 2) % 3] - up[(a + 2) % 3] * along[(a + 1) % 3]);
+  if (!(Math.hypot(...side) > 0.99)) return;  // upright
+  const axes = [side, up, along], ends = axes.map(() => [Infinity, -Infinity]);
+  const see = (at, radius) => axes.forEach((axis, a) => {
+    ends[a] = [Math.min(ends[a][0], dot(axis, at) - radius), Math.max(ends[a][1], dot(axis, at) + radius)];
+  });
+  data.spheres.forEach(([radius], k) => see(sphere(frames[0], k), radius));
+  const spheres = ends[0][1];
+  for (let c = 0; c < 8; ++c) see(boxCorner(c), data.hip_radius);
+  const middle = ends.map(([low, high]) => (low + high) / 2);
+  data.axes = axes;
+  data.centre = axes.reduce((sum, axis, a) => plus(sum, axis, middle[a]), [0, 0, 0]);
+  data.extent = [ends[0][1] - middle[0], ends[1][1] - middle[1], spheres - middle[0]].map((x) => 1.06 * Math.max(0, x));
+}
+
 /// What somebody who has this file and no other word should do, from what is in the scene.
 function goal() {
-  const { own, spheres, hip_radius } = data, largest = spheres.map((one, k) => [one[0], k]).sort((a, b) => b[0] - a[0]);
-  const held = frames[0].bonds.length === 0 ? -1 : spheres.findIndex((one, k) => distance(sphere(frames[0], k), own.start) < 0.2 * (one[0] + hip_radius));
-  const end = own.snaps ? "it snaps" : "it yields";
-  if (held >= 0) return `Drag the pink ring: it holds ${data.names[held] || "an atom"}. Lead it round until ${own.torsions.length ? "the bond turns over" : end}, and let go.`;
+  const { own, spheres } = data, largest = spheres.map((one, k) => [one[0], k]).sort((a, b) => b[0] - a[0]);
+  const held = heldSphere(), end = own.snaps ? "it snaps" : "it yields";
+  if (held >= 0) {
+    const name = data.names[held] || "an atom";
+    return own.torsions.length ? `Drag the pink ring: it holds ${name}. Lead ${name} round the bond until this turns over, then press "let go".`
+      : `Drag the pink ring: it holds ${name}. Lead it on until ${end}, then press "let go".`;
+  }
   if (own.torsions.length) return `Drag the pink ball against the molecule until a bond ${own.snaps ? "turns over" : "yields"}.`;
   if (largest.length > 1 && largest[0][0] > 1.5 * largest[1][0])
     return `Drag the pink ball against the ${colourName(spheres[largest[0][1]].slice(1))} one until ${end}.`;
@@ -135,6 +165,8 @@ async function startPlayer() {
   hand = [...data.own.start];
   playTicks(1, false);
   take(decode(playedFrame()));
+  lookAlongBond();
+  fit();
   takeHand(hand);
   element("path").hidden = false;
   setPlaying(true);

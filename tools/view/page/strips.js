@@ -2,10 +2,10 @@
 // the grid has at each angle, where on it the model is, and how high the next barrier is. The strip's number stands at the
 // bond.
 
-const kStrip = { width: 184, height: 64 };
+const kStrip = { width: 190, height: 64 };
 
-/// How high the nearer of the two barriers beside an angle is: of what the grid has there, the highest before it goes down.
-function barrierAhead(profile, angle) {
+/// How high the barriers on both sides of an angle are: of what the grid has there, the highest before it goes down.
+function barriersBeside(profile, angle) {
   const known = profile.filter((v) => v !== null), least = 0.1 * (Math.max(...known) - Math.min(...known));
   const here = Math.floor((angle + 180) / 360 * profile.length);
   const climb = (way) => {
@@ -18,8 +18,7 @@ function barrierAhead(profile, angle) {
     }
     return [top, at];
   };
-  const [up, down] = [climb(1), climb(-1)];
-  return (up[1] <= down[1] ? up : down)[0];
+  return [climb(-1)[0], climb(1)[0]];
 }
 
 function drawStrip(c, [left, top], number, [, , name, profile], angle, own) {
@@ -28,16 +27,16 @@ function drawStrip(c, [left, top], number, [, , name, profile], angle, own) {
   c.fillStyle = data.ink;
   c.fillText(title, left, top + 7);
   if (known.length < 2 || !Number.isFinite(own) || !Number.isFinite(angle)) return;
-  const low = Math.min(...known), span = Math.max(...known) - low || 1, barrier = barrierAhead(profile, angle) - low;
-  const at = (angle_, v) => [left + (right - left) * (angle_ + 180) / 360, top + 44 - 27 * clamp((v - low) / span, 0, 1.1)];
+  const low = Math.min(...known), span = Math.max(...known) - low || 1, barriers = barriersBeside(profile, angle).map((v) => v - low);
+  const at = (angle_, v) => [left + (right - left) * (angle_ + 180) / 360, top + 44 - 25 * clamp((v - low) / span, 0, 1.15)];
   const curve = profile.map((v, k) => at((k + 0.5) / profile.length * 360 - 180, v ?? NaN));
   strokeLines(c, [[[left, top + 45], [right, top + 45]]], kGrey, 0.5);
   strokeLines(c, [curve.filter((place) => Number.isFinite(place[1])).map(([x, y]) => [x, y])], kGrey, 0.7);  // where the grid has none
   strokeCurve(c, curve, data.energy_colour);
   for (const [shade, radius] of [["#fff", 5], [data.hand_colour, 3.5]]) strokeLines(c, [[at(angle, own), at(angle + 0.01, own)]], shade, 2 * radius);
-  const text = (v) => v.toFixed(barrier >= 100 ? 0 : barrier >= 1 ? 1 : 3);
+  const text = (v) => v.toFixed(span >= 100 ? 0 : span >= 1 ? 1 : 3);
   c.fillStyle = data.ink;
-  c.fillText(`${text(own - low)} ${data.own.energy_unit}, next barrier ${text(barrier)}`, left, top + 55);
+  c.fillText(`${text(own - low)} ${data.own.energy_unit}, barriers ${barriers.map(text).join(", ")}`, left, top + 55);
 }
 
 /// The torsions that have a strip, in a column on a wide screen, else in a row: as many as there is room for.

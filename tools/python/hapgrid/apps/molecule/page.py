@@ -1,9 +1,10 @@
-"""Plots, pictures, and the page that sums up. Names and texts in it may come from anybody; none of them is trusted."""
+"""The play along the way, and the page that sums up. Names and texts in it may come from anybody; none of them is trusted."""
 
 from __future__ import annotations
 
 import html
 import json
+import math
 import re
 import shlex
 from collections.abc import Sequence
@@ -99,7 +100,7 @@ def page(start: Start, turned: Sequence[Torsion], ways: Sequence[str], felt: lis
         "FACTS": "".join(f"<dt>{key}<dd>{value if key == 'Formula' else html.escape(value)}"
                          for key, value in facts.items() if value),
         "FEEL": ("" if taken else f"<p>{html.escape(path_selection.nothing_turns(folder))}.") + (FEEL if felt else ""),
-        "GRID": html.escape(shlex.quote(f"{name}.grid")), "WAY": html.escape(shlex.quote(f"path:{ways[0]}")),
+        "GRID": html.escape(shlex.quote(f"{name}.grid")),
         "TOML": html.escape(f"{name}.toml"), "TABLE": barriers(folder), "METHOD": html.escape(method),
         "MOLECULE": json.dumps(molecule).replace("<", "\\u003c"), "VERIFY": html.escape(folder.read("verify.txt"))}
     return re.sub("@([A-Z]+)@", lambda found: parts[str(found[1])], TEMPLATE)
@@ -130,17 +131,25 @@ def _pairs(neighbours: Neighbours) -> list[list[int]]:
 
 
 def barriers(folder: Work) -> str:
-    """Rows of a table: each path with its barrier and what lies behind it."""
+    """Rows of a table: each path with its barriers and what lies behind it."""
     report = {row["name"]: row for row in files.rows(folder, "report.tsv", files.REPORT)}
+    on_the_way = {one.name: _maxima([e * HARTREE for e in one.energies]) for one in files.read_set(folder).found}
     rows = []
     for row in files.rows(folder, "rotors.tsv", path_selection.ROTORS):
         one = report.get(row["path"], {})
         behind = [other["energy_kJ_mol"] for name, other in report.items()
                   if name.startswith(row["path"] + ":") and other["kind"].startswith("minimum")]
-        cells = [html.escape(row["path"]), html.escape(row["atoms"]), _energy(row["barrier_kJ_mol"]), html.escape(one.get("nu1_cm-1", "-")),
+        cells = [html.escape(row["path"]), html.escape(row["atoms"]),
+                 ", ".join(map(_energy, on_the_way.get(row["path"]) or [row["barrier_kJ_mol"]])), html.escape(one.get("nu1_cm-1", "-")),
                  ", ".join(map(_energy, behind)) or "-", "in the grid" if row["taken"] == "yes" else html.escape(row["why"])]
         rows.append("<tr>" + "".join(f"<td>{cell}" for cell in cells))
     return "\n".join(rows)
+
+
+def _maxima(energies: list[float]) -> list[str]:
+    """The different maxima along a path, the lowest first; an end is one if it is above what is next to it."""
+    high = [-math.inf, *energies, -math.inf]
+    return sorted({f"{e:.1f}" for before, e, after in zip(high, energies, high[2:]) if e > before and e >= after}, key=float)
 
 
 def _energy(kilojoules: str) -> str:

@@ -228,9 +228,9 @@ def show(start: Start, shapes: Result, paths: Sequence[str]) -> str:
     facts = [start.source, start.molecule.charge, start.molecule.unpaired, start.method]
     folder.step("page", "writing the page", [grid, *made, "rotors.tsv", "report.tsv", "verify.txt"], facts,
                 lambda: page.write(start, start.turned_by(paths), made))
-    grid, way, me = folder.in_shell(grid), folder.in_shell(made[0]), folder.launcher()
+    grid, me = folder.in_shell(grid), folder.launcher()
     folder.say(f"done: {folder.in_shell('index.html')} sums up")
-    felt = folder.in_shell("feel.html") if "feel.html" in folder.made("page") else f"{me} feel {grid}"
-    folder.say(f"{felt} is a page in which the mouse is the hand")
+    if "feel.html" in folder.made("page"):
+        folder.say(f"{folder.in_shell('feel.html')} is a page in which the mouse is the hand")
     nothing = "" if paths else path_selection.nothing_turns(folder) + "\n"
-    return nothing + f"{me} play {grid} --device path:{way} --rate 1000 --frames - | {me} view --web"
+    return nothing + f"{me} feel {grid}"
