@@ -22,7 +22,6 @@
 namespace hapgrid {
 
 class Beside;
-struct BesideAnswer;
 class BranchNodes;
 
 /// In Traversal::levels(): no record of the grid.
@@ -70,6 +69,16 @@ struct CornersBefore {
     nodes = corners;
     have_changed = false;
   }
+};
+
+/// What the model beside the grid (beside.hpp) says of the place where the hand will be when this
+/// answer comes.
+struct BesideAnswer {
+  std::uint64_t tick = 0;     ///< Beside::tick() when it was asked
+  bool usable = false;        ///< the model could follow the hand
+  Vec3 at{0, 0, 0};           ///< that place, in the model's unit of length
+  std::vector<double> row;    ///< GridSpec::row_size() values: state, and what is stored
+  std::optional<Vec3> force;  ///< newtons; nothing: the model does not say
 };
 
 /// The traversal of one grid by one HIP; for one thread.

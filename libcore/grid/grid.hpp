@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "libcore/base/mutex.hpp"
@@ -36,10 +37,12 @@ class LinkTable {
   void finish();
 
  private:
-  void grow();
+  struct Hash {
+    std::size_t operator()(const Links& links) const noexcept;
+  };
 
   std::vector<Links> entries_;
-  std::vector<std::uint32_t> slots_;  // open addressing: number + 1, or 0; a power of two
+  std::unordered_map<Links, std::uint32_t, Hash> number_of_;
   std::uint32_t last_ = 0;
 };
 

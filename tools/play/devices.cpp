@@ -86,9 +86,7 @@ HipRange hip_range(const PlaySettings& settings, const Box& box) {
 }
 
 OpenDevice open_path(const std::string& file) {
-  std::vector<DeviceInput> ticks;
-  for (const PathTick& tick : read_path(file))
-    ticks.push_back({.position = tick.x, .next = tick.next});
+  std::vector<DeviceInput> ticks = read_path(file);
   const std::size_t count = ticks.size();
   return {.device = std::make_unique<ReplayDevice>(std::move(ticks), "path"),
           .ticks = count,
