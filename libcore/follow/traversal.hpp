@@ -5,8 +5,9 @@
 //
 // Which corners? Eight pointers to rows. In a cell a copy of the states in an n x 8 block is no
 // faster, and each switch would have to make it; a copy of the whole grid in another layout would
-// double the memory. It does help to prefetch the links of the new corners together with their
-// states: the next switch finds them in the cache (tests/bench/interpolation.cpp).
+// double the memory. It does help to prefetch, together with the states of the new corners, what
+// the next switch reads if the hand goes straight on: their links, and where the records of the
+// next points begin (tests/bench/interpolation.cpp).
 #pragma once
 
 #include <algorithm>

@@ -108,6 +108,11 @@ class Grid {
   std::span<const Level, kDirections> links(RecordIndex r) const {
     return table_[links_of_[r]].level;
   }
+  /// Brings what destination() reads of a record, and of a point, into the cache. Real-time safe.
+  void fetch_links(RecordIndex r) const noexcept { __builtin_prefetch(links_of_.data() + r); }
+  void fetch_levels(PointIndex p) const noexcept {
+    if (p < box().points()) __builtin_prefetch(first_.data() + p);
+  }
   /// The record to which direction q leads from record r; kNoRecord when the direction leaves the
   /// box, is not settled, or leads to a level that does not exist. Real-time safe, as the next two.
   RecordIndex destination(RecordIndex r, int q) const {
