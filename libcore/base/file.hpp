@@ -80,8 +80,8 @@ void remove_unfinished_files() noexcept;
 
 /// An input of which any part can be read at any time. A pipe is copied to an unlinked temporary
 /// file first (in TMPDIR, else /tmp), because a merge reads several places of its input at once. If
-/// the first bytes show that these are no zstd frames, only they are copied: the reader then reports
-/// the error.
+/// the first bytes show that these are no zstd frames, only they are copied: the reader then
+/// reports the error.
 class InputFile {
  public:
   /// "-" is standard input. @throw std::system_error
