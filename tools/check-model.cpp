@@ -70,7 +70,7 @@ Json calls_json(const CallTimes& t) {
 std::string report_text(const GridSpec& spec, const ModelInfo& info, const ModelCheck& m,
                         const std::optional<GridEstimate>& e, const std::string& no_estimate) {
   const std::string length = info.length_unit.empty() ? "" : " " + printable_line(info.length_unit);
-  std::string text = checks_text(m.checks, Details::kAll) + "\n";
+  std::string text = checks_text(m.checks, /*all=*/true) + "\n";
   const auto row = [&](const char* name, const std::string& value) {
     text += left(name, 13) + value + "\n";
   };

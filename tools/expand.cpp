@@ -98,8 +98,8 @@ void write_requests(const Section& grid, Part part, Converter& converter, Progre
   const SectionHeader header{Content::kRequests, grid.header.generation, grid.header.spec};
   SectionWriter requests(out.fd(), out.name(), header);
   expand([&](FrontierRecord& record) { return frontier.next(record); }, converter, header.spec,
-         [&](PointIndex point, Level level, DirectionMask directions, const double* rows) {
-           requests.requests(point, level, directions, rows);
+         [&](const FrontierRecord& from, const double* rows) {
+           requests.requests(from.point, from.level, from.todo, rows);
          });
   requests.finish();
 }

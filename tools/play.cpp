@@ -117,11 +117,6 @@ Settled settle(const PlayOptions& options, const std::optional<SessionHeader>& s
   return settled;
 }
 
-/// Ticks in a second of a text that is replayed.
-double replayed_rate_hz(const PlayOptions& options) {
-  return options.rate_hz > 0 ? options.rate_hz : kUnpacedHz;
-}
-
 LoopOptions pace(const PlayOptions& options, const OpenDevice& open, double spin_us) {
   LoopOptions loop{.rate_hz = options.rate_hz, .spin_us = spin_us};
   if (open.session) loop.unpaced_hz = open.session->rate_hz;
@@ -231,8 +226,7 @@ int play(const PlayOptions& options) {
   // reads a path from standard input or prepares a large grid.
   const bool live = is_live(*options.device);
   const auto open_it = [&] {
-    return open_device(*options.device, given_settings(options), replayed_rate_hz(options),
-                       options.rate_hz, spec.box);
+    return open_device(*options.device, given_settings(options), options.rate_hz, spec.box);
   };
   std::optional<OpenDevice> opened;
   if (!live) opened.emplace(open_it());

@@ -73,7 +73,7 @@ void write_all(const std::string& name, const std::string& text) {
 }
 
 void show_log(const Options& options) {
-  InputFile file(options.log, InputFile::Content::kFramesOrText);
+  InputFile file(options.log);
   if (!starts_with_zstd_frame(file))
     throw Error(format("{}: not a session; hapgrid plot draws a log that is text", file.name()));
   run_session(std::move(file), options.npy, options.format == "json", options.output);

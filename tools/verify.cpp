@@ -61,8 +61,7 @@ bool parse_recompute(const std::string& text, std::uint64_t& count) {
 
 std::string report(const Grid& grid, const std::vector<Check>& checks, const Options& options) {
   if (options.format == "json") return report_json(grid, checks);
-  return printable_text(
-      report_text(grid, checks, options.is_verbose ? Details::kAll : Details::kNotFine));
+  return printable_text(report_text(grid, checks, options.is_verbose));
 }
 
 /// Writes the report and the verdict. @returns the exit code

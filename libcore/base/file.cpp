@@ -122,20 +122,14 @@ void change_unfinished(const std::string* before, const std::string* now) {
   }
 }
 
-/// Whether a stream that begins with `start` can be what is expected. A zstd frame begins with
-/// these bytes (RFC 8878, 3.1.1), and no text has a byte that is 0.
-bool can_be(InputFile::Content content, std::span<const std::byte> start) {
-  static constexpr std::array kMagic{std::byte{0x28}, std::byte{0xB5}, std::byte{0x2F},
-                                     std::byte{0xFD}};
-  if (content == InputFile::Content::kFramesOrText)
-    return std::find(start.begin(), start.end(), std::byte{0}) == start.end();
-  return std::equal(start.begin(), start.end(), kMagic.begin(), kMagic.end());
-}
+/// What a zstd frame begins with (RFC 8878, 3.1.1).
+constexpr std::array kFrameMagic{std::byte{0x28}, std::byte{0xB5}, std::byte{0x2F},
+                                 std::byte{0xFD}};
 
-/// Copies a stream until it ends, or only its first bytes when it cannot be what is expected.
+/// Copies a stream until it ends, or only its first bytes when these are no zstd frame.
 /// Answers how much that is.
-std::uint64_t copy_stream(int from, int to, InputFile::Content content, const std::string& name) {
-  constexpr std::size_t kFirst = 4;
+std::uint64_t copy_stream(int from, int to, const std::string& name) {
+  constexpr std::size_t kFirst = kFrameMagic.size();
   const std::string copy = format("{}, copied to {}", name, temporary_directory().string());
   std::array<std::byte, 1 << 16> buffer;
   std::uint64_t size = 0;
@@ -147,7 +141,8 @@ std::uint64_t copy_stream(int from, int to, InputFile::Content content, const st
     else
       break;
   // A terminal that has said its end is not asked again: it would wait for more.
-  const bool goes_on = count == kFirst && can_be(content, std::span(buffer).first(count));
+  const bool goes_on = std::equal(kFrameMagic.begin(), kFrameMagic.end(), buffer.begin(),
+                                  buffer.begin() + static_cast<std::ptrdiff_t>(count));
   do {
     write_all(to, std::span(buffer).first(count), copy);
     size += count;
@@ -280,7 +275,7 @@ void OutputFile::commit() {
   fd_ = -1;
 }
 
-InputFile::InputFile(const std::string& name, Content content) : shown_name_(name) {
+InputFile::InputFile(const std::string& name) : shown_name_(name) {
   if (shown_name_ == "-") {
     fd_ = STDIN_FILENO;
     shown_name_ = "standard input";
@@ -302,7 +297,7 @@ InputFile::InputFile(const std::string& name, Content content) : shown_name_(nam
     return;
   }
   FileDescriptor spool = unlinked_file(temporary_directory());
-  size_ = copy_stream(fd_, spool.get(), content, shown_name_);
+  size_ = copy_stream(fd_, spool.get(), shown_name_);
   owned_ = std::move(spool);
   fd_ = owned_.get();
 }

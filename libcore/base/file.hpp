@@ -80,17 +80,12 @@ void remove_unfinished_files() noexcept;
 
 /// An input of which any part can be read at any time. A pipe is copied to an unlinked temporary
 /// file first (in TMPDIR, else /tmp), because a merge reads several places of its input at once. If
-/// the first bytes show that the input is of another kind, only these are copied: its reader then
+/// the first bytes show that these are no zstd frames, only they are copied: the reader then
 /// reports the error.
 class InputFile {
  public:
-  /// What may come through a pipe.
-  enum class Content {
-    kFrames,        ///< zstd frames
-    kFramesOrText,  ///< these, or text
-  };
   /// "-" is standard input. @throw std::system_error
-  explicit InputFile(const std::string& name, Content content = Content::kFrames);
+  explicit InputFile(const std::string& name);
   /// A regular file that is open already, from its start.
   InputFile(FileDescriptor file, std::string name);
 

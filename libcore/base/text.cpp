@@ -95,12 +95,6 @@ std::string counted_unit(std::string_view unit, double number) {
   return sign.substr(0, size - (sign.ends_with("ches") ? 2 : 1));
 }
 
-std::string axis_label(std::string_view quantity, std::string_view unit) {
-  const std::string sign = unit_sign(unit);
-  const bool is_quotient = sign.find('/') != sign.npos;
-  return format("{} / {}", quantity, is_quotient ? format("({})", sign) : sign);
-}
-
 namespace {
 
 std::string blanks(std::string_view text, std::size_t width) {
@@ -121,8 +115,6 @@ std::string left(std::string_view text, std::size_t width) {
 std::string right(std::string_view text, std::size_t width) {
   return blanks(text, width) + std::string(text);
 }
-
-std::string three_digits(double value) { return format("{:.3g}", value); }
 
 double microseconds(std::int64_t nanoseconds) { return static_cast<double>(nanoseconds) * 1e-3; }
 

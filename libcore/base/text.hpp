@@ -34,9 +34,6 @@ std::string unit_sign(std::string_view unit);
 /// The same behind a number: "rope length" behind 1, where the model says "rope lengths".
 std::string counted_unit(std::string_view unit, double number);
 
-/// What stands at the axis of a plot: "energy / (kJ/mol)", "x / Å".
-std::string axis_label(std::string_view quantity, std::string_view unit);
-
 /// The same as printable_line() for a text of any length whose line ends and tabs are our own.
 std::string printable_text(std::string_view text);
 
@@ -48,8 +45,6 @@ std::size_t text_width(std::string_view text);
 std::string left(std::string_view text, std::size_t width);
 std::string right(std::string_view text, std::size_t width);
 
-/// With three significant digits, as %.3g.
-std::string three_digits(double value);
 double microseconds(std::int64_t nanoseconds);
 /// In 10^6 bytes: "1.2 MB", and "0.012 MB" below one.
 std::string megabytes(std::uint64_t bytes);

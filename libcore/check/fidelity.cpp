@@ -74,11 +74,11 @@ void recompute(const Grid& grid, RecordIndex r, Model& model, std::vector<double
     const double* const reached = &rows[static_cast<std::size_t>(q) * grid.spec().row_size()];
     ++found.counted;
     if (!errors[q].empty()) {
-      found.offend(location_of(grid, r, q), [&] {
+      found.offend(at_link(grid, r, q), [&] {
         return format("{}: conversion failed: {}", describe_link(grid, r, q), errors[q]);
       });
     } else if (!model.equal(reached, grid.state(target).data())) {
-      found.offend(location_of(grid, r, q), [&] {
+      found.offend(at_link(grid, r, q), [&] {
         return format("{}: C gives {}, stored at level {} is {}", describe_link(grid, r, q),
                       state_text(std::span(reached, grid.state_size())), grid.level(target),
                       state_text(grid.state(target)));
@@ -95,12 +95,12 @@ void recompute_stored(const Grid& grid, RecordIndex r, Model& model, std::vector
   const std::size_t n = grid.state_size();
   std::copy_n(grid.state(r).begin(), n, row.begin());
   if (!model.complete(grid.box().position(grid.point(r)), row.data()))
-    return found.offend(location_of(grid, r),
+    return found.offend(at_record(grid, r),
                         [&] { return describe(grid, r) + ": " + model.error(); });
   for (std::size_t i = n; i < row.size(); ++i) {
     const double stored = grid.row(r)[i];
     if (std::abs(row[i] - stored) <= kStoredTolerance * std::max(1.0, std::abs(stored))) continue;
-    return found.offend(location_of(grid, r), [&] {
+    return found.offend(at_record(grid, r), [&] {
       return format("{}: stored number {} is {}, the model gives {}", describe(grid, r), i - n,
                     to_text(stored), to_text(row[i]));
     });
@@ -113,7 +113,7 @@ void push(const Grid& grid, RecordIndex r, Model& model, std::vector<double>&, F
   const std::string where =
       falls_away(model, grid.spec(), grid.state(r), grid.box().position(grid.point(r)));
   if (!where.empty())
-    found.offend(location_of(grid, r), [&] { return describe(grid, r) + ": " + where; });
+    found.offend(at_record(grid, r), [&] { return describe(grid, r) + ": " + where; });
 }
 
 /// Runs work_on(grid, record, model, numbers, findings) for all records, in threads. Findings are

@@ -9,7 +9,7 @@
 #include "libcore/base/text.hpp"
 #include "libcore/check/force_check.hpp"
 #include "libcore/check/invariants.hpp"
-#include "libcore/follow/agreement.hpp"
+#include "libcore/follow/record_fields.hpp"
 #include "libcore/grid/vec3.hpp"
 
 namespace hapgrid {

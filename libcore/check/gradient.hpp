@@ -11,7 +11,7 @@
 namespace hapgrid {
 
 /// `gradient`: how well the energies of neighbours on a branch predict the force of a record
-/// (follow/agreement.hpp). Counts the predictions. Figures: the force that was predicted, the
+/// (follow/record_fields.hpp). Counts the predictions. Figures: the force that was predicted, the
 /// errors of both predictions as root mean squares, and their `ratio`.
 ///
 /// The model, where it is at hand, is asked for the slope of its energy in some of `records`

@@ -22,7 +22,7 @@ Check check_complete(const Grid& grid) {
   check.found.counted = grid.records();
   for (RecordIndex r = 0; r < grid.records(); ++r)
     if (grid.in_frontier(r))
-      check.found.offend(location_of(grid, r), [&] { return describe(grid, r); });
+      check.found.offend(at_record(grid, r), [&] { return describe(grid, r); });
   return check;
 }
 
@@ -32,7 +32,7 @@ Check check_coverage(const Grid& grid) {
   for (std::uint64_t i = 0; i < grid.box().points(); ++i) {
     const auto p = static_cast<PointIndex>(i);
     if (grid.levels(p) == 0)
-      check.found.offend({p, {}, {}}, [&] { return describe(grid.box(), p); });
+      check.found.offend({.point = p}, [&] { return describe(grid.box(), p); });
   }
   return check;
 }
@@ -66,7 +66,7 @@ Check check_links(const Grid& grid) {
       ++check.found.counted;
       const std::string fault = link_fault(grid, r, q, inside >> q & 1);
       if (!fault.empty())
-        check.found.offend(location_of(grid, r, q),
+        check.found.offend(at_link(grid, r, q),
                            [&] { return describe_link(grid, r, q) + ": " + fault; });
     }
   }
@@ -81,7 +81,7 @@ Check check_finite(const Grid& grid) {
     const auto bad =
         std::find_if_not(row.begin(), row.end(), [](double v) { return std::isfinite(v); });
     if (bad == row.end()) continue;
-    check.found.offend(location_of(grid, r), [&] {
+    check.found.offend(at_record(grid, r), [&] {
       const auto i = static_cast<std::size_t>(bad - row.begin());
       const bool in_state = i < grid.state_size();
       return format("{}: {} {} is {}", describe(grid, r), in_state ? "component" : "stored number",
@@ -102,7 +102,7 @@ Check check_distinct(const Grid& grid, const Model& model) {
       ++check.found.counted;
       const auto one = grid.state(a), other = grid.state(b);
       if (!is_finite(one) || !is_finite(other) || !model.equal(one.data(), other.data())) continue;
-      check.found.offend(location_of(grid, a), [&] {
+      check.found.offend(at_record(grid, a), [&] {
         return format("{} and level {}: states {} and {}", describe(grid, a), grid.level(b),
                       state_text(one), state_text(other));
       });
@@ -137,7 +137,7 @@ Check check_reachable(const Grid& grid, const std::vector<std::uint32_t>& distan
   check.found.counted = grid.records();
   for (RecordIndex r = 0; r < grid.records(); ++r)
     if (distances[r] == kUnreached)
-      check.found.offend(location_of(grid, r), [&] { return describe(grid, r); });
+      check.found.offend(at_record(grid, r), [&] { return describe(grid, r); });
   return check;
 }
 
@@ -154,7 +154,7 @@ Check check_generations(const Grid& grid, const std::vector<std::uint32_t>& dist
     if (distances[r] == kUnreached) continue;
     ++check.found.counted;
     const auto offend = [&](const char* beside, std::uint32_t other) {
-      check.found.offend(location_of(grid, r), [&] {
+      check.found.offend(at_record(grid, r), [&] {
         return format("{}: generation {}, {} {}", describe(grid, r), generation, beside, other);
       });
     };
@@ -197,7 +197,7 @@ void check_cell(const Grid& grid, const BranchNodes& branches, const Cells& cell
     if (q < 0 || !cells.is_corner(k)) continue;
     const Node node = branches.node(r, q);
     if (node == BranchNodes::kNoNode)
-      return found.offend(location_of(grid, r, q),
+      return found.offend(at_link(grid, r, q),
                           [&] { return describe_link(grid, r, q) + ": leads to no record"; });
     is_torn |= branches.is_ghost(node);
   }

@@ -115,7 +115,7 @@ void add_rise(Check& check, const Grid& grid, const NodeEnergies& nodes, const S
   keep_larger(check.figures[0], rise.up - rise.allowed);
   keep_larger(check.figures[1], -rise.up);
   if (!rise.is_up()) return;
-  check.found.offend(location_of(grid, link.from, link.q), [&] {
+  check.found.offend(at_link(grid, link.from, link.q), [&] {
     return format("{}: the snap leads up by {} {}, allowed are {}",
                   describe_link(grid, link.from, link.q), rounded(rise.up * h),
                   check.figures[0].unit, rounded((rise.allowed + kAllowedAtSnap) * h));
@@ -169,7 +169,7 @@ void ask(Check& check, const Grid& grid, const NodeEnergies& nodes,
     if (errors[i].empty())
       add_rise(check, grid, nodes, links[i], places[i]);
     else
-      check.found.offend(location_of(grid, links[i].from, links[i].q), [&] {
+      check.found.offend(at_link(grid, links[i].from, links[i].q), [&] {
         return describe_link(grid, links[i].from, links[i].q) + ": " + errors[i];
       });
   }
@@ -192,7 +192,7 @@ Check check_passive(const Grid& grid, const BranchNodes& branches, const NodeEne
         if (target == Grid::kNoRecord) continue;
         ++found.counted;
         if (!is_finite_node(nodes[r]) || !is_finite_node(nodes[target])) {
-          found.offend(location_of(grid, r, q), [&] {
+          found.offend(at_link(grid, r, q), [&] {
             return describe_link(grid, r, q) + ": its energy or its force is not finite";
           });
           continue;

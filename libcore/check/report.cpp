@@ -73,31 +73,29 @@ std::string verdict_line(const std::vector<Check>& checks) {
   return "broken: " + broken + (open.empty() ? "" : "; not proved: " + open);
 }
 
-std::string checks_text(const std::vector<Check>& checks, Details details) {
+std::string checks_text(const std::vector<Check>& checks, bool all) {
   std::string text = table_of(checks);
   for (const Check& c : checks) {
     const bool has_details = c.found.offenders > 0 || !c.figures.empty() || !c.not_proved.empty();
-    if (has_details && (details == Details::kAll || !is_good(c)))
-      text += format("\n{}", details_of(c));
+    if (has_details && (all || !is_good(c))) text += format("\n{}", details_of(c));
   }
   return text;
 }
 
-std::string report_text(const Grid& grid, const std::vector<Check>& checks, Details details) {
+std::string report_text(const Grid& grid, const std::vector<Check>& checks, bool all) {
   const auto& n = grid.box().counts;
   return format("{}: {} x {} x {} points, {} records, generation {}\n{}",
                 printable_line(grid.spec().model), n[0], n[1], n[2], grid.records(),
-                grid.generation(), checks_text(checks, details));
+                grid.generation(), checks_text(checks, all));
 }
 
 namespace {
 
 nlohmann::ordered_json offender_json(const Box& box, const Offender& offender) {
   nlohmann::ordered_json json{{"text", offender.text}};
-  const Location& at = offender.location;
-  if (at.point) json["point"] = box.coordinates(*at.point);
-  if (at.level) json["level"] = *at.level;
-  if (at.direction) json["direction"] = Direction(*at.direction).step();
+  if (offender.point) json["point"] = box.coordinates(*offender.point);
+  if (offender.level) json["level"] = *offender.level;
+  if (offender.direction) json["direction"] = Direction(*offender.direction).step();
   return json;
 }
 

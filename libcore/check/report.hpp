@@ -13,27 +13,21 @@
 
 namespace hapgrid {
 
-/// Where in a grid something is. A field that is not set does not apply.
-struct Location {
+/// What offends, and where in a grid it is: a field that is not set does not apply.
+struct Offender {
+  std::string text{};  ///< for people: the place, and what is wrong there
   std::optional<PointIndex> point{};
   std::optional<Level> level{};
   std::optional<int> direction{};  ///< q of a link
 
-  bool operator==(const Location&) const = default;
-};
-inline Location location_of(const Grid& grid, RecordIndex r) {
-  return {grid.point(r), grid.level(r), {}};
-}
-inline Location location_of(const Grid& grid, RecordIndex r, int q) {
-  return {grid.point(r), grid.level(r), q};
-}
-
-struct Offender {
-  std::string text;  ///< for people: the location, and what is wrong there
-  Location location{};
-
   bool operator==(const Offender&) const = default;
 };
+inline Offender at_record(const Grid& grid, RecordIndex r) {
+  return {.point = grid.point(r), .level = grid.level(r)};
+}
+inline Offender at_link(const Grid& grid, RecordIndex r, int q) {
+  return {.point = grid.point(r), .level = grid.level(r), .direction = q};
+}
 
 /// How many things a check has tested, how many of them offend, and the first of these.
 struct Findings {
@@ -43,16 +37,18 @@ struct Findings {
   std::uint64_t offenders = 0;
   std::vector<Offender> first;  ///< at most kShown, in ascending order of the grid
 
-  /// `describe()` is only called while the text is wanted.
+  /// @param describe gives the text. It is only called while that is wanted.
   template <class Describe>
-  void offend(const Location& location, Describe&& describe) {
+  void offend(Offender offender, Describe&& describe) {
     ++offenders;
-    if (first.size() < kShown) first.push_back({describe(), location});
+    if (first.size() == kShown) return;
+    offender.text = describe();
+    first.push_back(std::move(offender));
   }
-  /// An offender without a location in a grid.
+  /// An offender without a place in a grid.
   template <class Describe>
   void offend(Describe&& describe) {
-    offend(Location{}, std::forward<Describe>(describe));
+    offend(Offender{}, std::forward<Describe>(describe));
   }
   /// Appends what was found in a later part of the grid.
   void add(Findings&& later) {
@@ -100,14 +96,9 @@ bool is_broken(const std::vector<Check>& checks);
 /// 104), distinct (1 of 2)", or "not proved: passive".
 std::string verdict_line(const std::vector<Check>& checks);
 
-/// The checks whose figures and first offenders a text shows.
-enum class Details {
-  kNotFine,  ///< those that are broken or not proved
-  kAll
-};
-
-/// A table with a row a check, then the details.
-std::string checks_text(const std::vector<Check>& checks, Details details);
+/// A table with a row a check, then figures and first offenders: of all checks, or of those that
+/// are broken or not proved.
+std::string checks_text(const std::vector<Check>& checks, bool all);
 /// [{"name", "verdict", "counted", "unit", "offenders", "meaning", "first": [{"text", and as far as
 /// it has them "point": [i, j, k], "level", "direction": [di, dj, dk]}], "not_proved" where the
 /// verdict is that, "figures": [{"name", "value", "unit", "where"}]}]
@@ -115,7 +106,7 @@ std::string checks_text(const std::vector<Check>& checks, Details details);
 nlohmann::ordered_json checks_json(const Box& box, const std::vector<Check>& checks);
 
 /// What grid it is, and checks_text().
-std::string report_text(const Grid& grid, const std::vector<Check>& checks, Details details);
+std::string report_text(const Grid& grid, const std::vector<Check>& checks, bool all);
 
 /// {"version": 1, "model", "counts", "records", "generation", "verdict": "fine", "broken" or "not
 /// proved", "checks": checks_json()}. The version number increases when a key is removed or changes

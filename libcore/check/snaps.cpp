@@ -158,7 +158,7 @@ Check check_snaps(const Grid& grid, std::span<const RecordIndex> records,
   for (std::size_t i = 0; i < snaps.size(); ++i) {
     if (elsewhere[i].empty()) continue;
     const Link& link = snaps[i];
-    check.found.offend(location_of(grid, link.first, link.second), [&] {
+    check.found.offend(at_link(grid, link.first, link.second), [&] {
       return describe_link(grid, link.first, link.second) + ": " + elsewhere[i];
     });
   }

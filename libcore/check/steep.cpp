@@ -55,7 +55,7 @@ Check check_steep(const Grid& grid, std::span<const Vec3> forces, const Renderin
     const double k = std::sqrt(squares);
     stiffness = std::max(stiffness, k);
     if (rendering.scale && !(k * *rendering.scale < rendering.limit()))
-      check.found.offend(location_of(grid, r), [&] {
+      check.found.offend(at_record(grid, r), [&] {
         return format("{}: {} N/m", describe(grid, r), rounded(k * *rendering.scale));
       });
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <optional>
 #include <system_error>
 
 #include "libcore/base/error.hpp"
@@ -37,11 +38,11 @@ std::string_view parse_coordinate(std::string_view word, double& value) {
   return {};
 }
 
-}  // namespace
-
-std::optional<PathTick> parse_tick(std::string_view line) {
+/// What a line of a path has; nothing if it has only blanks and a comment.
+/// @throw Error that says what is wrong with the line.
+std::optional<DeviceInput> parse_tick(std::string_view line) {
   line = line.substr(0, line.find('#'));
-  PathTick tick;
+  DeviceInput tick;
   int count = 0;
   for (std::string_view word; !(word = next_word(line)).empty(); ++count) {
     if (count == 3 && word == "next" && next_word(line).empty()) {
@@ -49,7 +50,7 @@ std::optional<PathTick> parse_tick(std::string_view line) {
       break;
     }
     if (count == 3) throw Error("more than the 3 numbers x y z");
-    const std::string_view wrong = parse_coordinate(word, tick.x[count]);
+    const std::string_view wrong = parse_coordinate(word, tick.position[count]);
     if (!wrong.empty()) throw Error(format("'{}' {}", printable_line(word, 40), wrong));
   }
   if (count == 0) return std::nullopt;
@@ -57,8 +58,10 @@ std::optional<PathTick> parse_tick(std::string_view line) {
   return tick;
 }
 
-std::vector<PathTick> parse_path(std::string_view text, const std::string& name) {
-  std::vector<PathTick> ticks;
+}  // namespace
+
+std::vector<DeviceInput> parse_path(std::string_view text, const std::string& name) {
+  std::vector<DeviceInput> ticks;
   for (std::size_t number = 1; !text.empty(); ++number) {
     const std::string_view line = text.substr(0, text.find('\n'));
     text.remove_prefix(std::min(line.size() + 1, text.size()));
@@ -72,7 +75,7 @@ std::vector<PathTick> parse_path(std::string_view text, const std::string& name)
   return ticks;
 }
 
-std::vector<PathTick> read_path(const std::string& file) {
+std::vector<DeviceInput> read_path(const std::string& file) {
   return parse_path(read_text(file, kMaxBytes), file == "-" ? "standard input" : file);
 }
 

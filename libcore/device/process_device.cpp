@@ -89,16 +89,16 @@ std::string_view told_error(const char* message, std::size_t size) noexcept {
   return text.starts_with(mark) ? text.substr(mark.size()) : std::string_view();
 }
 
-StateFlaw state_flaw(const hapgrid_device_greeting& greeting, const hapgrid_device_state& state,
-                     std::size_t size, std::uint32_t number, double time) noexcept {
-  if (size != sizeof state) return StateFlaw::kSize;
-  if (state.number != number) return StateFlaw::kNumber;
-  if (!std::isfinite(state.time) || !finite(state.position)) return StateFlaw::kNotFinite;
+AdapterFault state_flaw(const hapgrid_device_greeting& greeting, const hapgrid_device_state& state,
+                        std::size_t size, std::uint32_t number, double time) noexcept {
+  if (size != sizeof state) return AdapterFault::kSize;
+  if (state.number != number) return AdapterFault::kNumber;
+  if (!std::isfinite(state.time) || !finite(state.position)) return AdapterFault::kNotFinite;
   const double slack = reach(greeting) / 2;  // ranges are nominal
   for (int a = 0; a < 3; ++a)
     if (state.position[a] < greeting.low[a] - slack || state.position[a] > greeting.high[a] + slack)
-      return StateFlaw::kOutside;
-  return state.time < time ? StateFlaw::kBackwards : StateFlaw::kNone;
+      return AdapterFault::kOutside;
+  return state.time < time ? AdapterFault::kBackwards : AdapterFault::kNone;
 }
 
 using namespace std::chrono_literals;
@@ -146,8 +146,8 @@ void ProcessDevice::greet() {
 }
 
 /// Keeps the first fault. @return false
-bool ProcessDevice::fail(Fault fault) noexcept {
-  if (fault_ == Fault::kNone) fault_ = fault;
+bool ProcessDevice::fail(AdapterFault fault) noexcept {
+  if (fault_ == AdapterFault::kNone) fault_ = fault;
   return false;
 }
 
@@ -162,7 +162,8 @@ bool ProcessDevice::ask(const Vec3& force) noexcept {
   asked_ = true;
   sent_ = Clock::now();
   const ssize_t sent = ::send(guard_.wire(), &message, sizeof message, MSG_NOSIGNAL | MSG_DONTWAIT);
-  return sent == sizeof message || (errno == EAGAIN ? fail(Fault::kSilent) : end(Fault::kGone));
+  return sent == sizeof message ||
+         (errno == EAGAIN ? fail(AdapterFault::kSilent) : end(AdapterFault::kGone));
 }
 
 /// The next message goes to message_. @return what recv() does
@@ -182,9 +183,9 @@ bool ProcessDevice::is_told() const noexcept {
 
 /// The end of adapter or guard was seen. What the adapter told before it lies behind an answer at
 /// most, and is the fault then. @return false
-bool ProcessDevice::end(Fault fault) noexcept {
+bool ProcessDevice::end(AdapterFault fault) noexcept {
   for (int messages = 0; messages < 2 && read_message(MSG_DONTWAIT) > 0; ++messages)
-    if (is_told()) return fail(Fault::kTold);
+    if (is_told()) return fail(AdapterFault::kTold);
   return fail(fault);
 }
 
@@ -193,9 +194,9 @@ bool ProcessDevice::receive() noexcept {
   ssize_t got = read_message(MSG_DONTWAIT);
   const bool waits = got < 0 && errno == EAGAIN;
   if (waits) got = read_message(0);
-  if (got < 0 && errno == EAGAIN) return fail(Fault::kSilent);
-  if (got <= 0) return fail(Fault::kGone);
-  if (is_told()) return fail(Fault::kTold);
+  if (got < 0 && errno == EAGAIN) return fail(AdapterFault::kSilent);
+  if (got <= 0) return fail(AdapterFault::kGone);
+  if (is_told()) return fail(AdapterFault::kTold);
   delays_.add(waits ? (Clock::now() - sent_) / 1ns : 0);
   return true;
 }
@@ -206,11 +207,11 @@ bool ProcessDevice::read_answer() noexcept {
   asked_ = false;
   std::memcpy(&wrong_, message_.data(), sizeof wrong_);
   expected_ = number_;
-  flaw_ = state_flaw(greeting_, wrong_, size_, number_, state_.time);
-  if (flaw_ != StateFlaw::kNone) return fail(Fault::kFlaw);
+  const AdapterFault flaw = state_flaw(greeting_, wrong_, size_, number_, state_.time);
+  if (flaw != AdapterFault::kNone) return fail(flaw);
   const auto now = Clock::now();
   if (wrong_.time > state_.time) moved_on_ = now;
-  if (now - moved_on_ > kSilence) return fail(Fault::kStoodStill);
+  if (now - moved_on_ > kSilence) return fail(AdapterFault::kStoodStill);
   state_ = wrong_;
   return true;
 }
@@ -219,11 +220,11 @@ bool ProcessDevice::read_answer() noexcept {
 bool ProcessDevice::beat(Clock::time_point now) noexcept {
   if (now - beat_ < kGuardBeatTime) return true;
   beat_ = now;
-  return guard_.beat() || end(Fault::kGuardGone);
+  return guard_.beat() || end(AdapterFault::kGuardGone);
 }
 
 DeviceStatus ProcessDevice::read(DeviceInput& input) noexcept {
-  if (fault_ != Fault::kNone || stopped_) return DeviceStatus::kFailed;
+  if (fault_ != AdapterFault::kNone || stopped_) return DeviceStatus::kFailed;
   const auto now = Clock::now();
   if (!beat(now)) return DeviceStatus::kFailed;
   if (!asked_) {
@@ -244,7 +245,7 @@ DeviceStatus ProcessDevice::read(DeviceInput& input) noexcept {
 
 DeviceStatus ProcessDevice::send(const Vec3& force) noexcept {
   if (stopped_) return stop_status_;
-  if (fault_ != Fault::kNone || !ask(force)) return DeviceStatus::kFailed;
+  if (fault_ != AdapterFault::kNone || !ask(force)) return DeviceStatus::kFailed;
   return DeviceStatus::kOk;
 }
 
@@ -254,7 +255,7 @@ DeviceStatus ProcessDevice::stop() noexcept {
   if (guard_.end())
     stop_status_ = DeviceStatus::kOk;
   else
-    fail(Fault::kHeldOn);
+    fail(AdapterFault::kHeldOn);
   return stop_status_;
 }
 
@@ -307,47 +308,37 @@ std::string ProcessDevice::what() const {
   if (guard_.why() == kGuardDeaf)
     return format("read nothing within {} ms, while this program stood still", kSilence / 1ms);
   const std::string& how = guard_.how_it_ended();
-  // The guard may have seen the adapter's end first.
-  const bool saw = fault_ == Fault::kGuardGone && guard_.why() == kGuardClosed;
-  switch (saw ? Fault::kGone : fault_) {
-    case Fault::kNone:
-      return "no error";
-    case Fault::kSilent:
-      return how.empty() ? format("did not answer within {} ms", kSilence / 1ms) : how;
-    case Fault::kHeldOn:
-      return format("did not answer the last message within {} ms", kConfirmTime / 1ms);
-    case Fault::kGone:
-      return how.empty() ? "closed its standard input or output" : how;
-    case Fault::kTold:
-      return printable_line(told_error(message_.data(), std::min(size_, message_.size())),
-                            message_.size());
-    case Fault::kFlaw:
-      return what_flaw();
-    case Fault::kStoodStill:
-      return format("its time stood still for {} ms", kSilence / 1ms);
-    case Fault::kGuardGone:
-      return "its guard process is gone";
-  }
-  return "";
-}
-
-std::string ProcessDevice::what_flaw() const {
   const auto place = [](const double* x) {
     return format("{} {} {} m", rounded(x[0]), rounded(x[1]), rounded(x[2]));
   };
-  switch (flaw_) {
-    case StateFlaw::kNone:
-      return "";
-    case StateFlaw::kSize:
+  // The guard may have seen the adapter's end first.
+  const bool saw = fault_ == AdapterFault::kGuardGone && guard_.why() == kGuardClosed;
+  switch (saw ? AdapterFault::kGone : fault_) {
+    case AdapterFault::kNone:
+      return "no error";
+    case AdapterFault::kSilent:
+      return how.empty() ? format("did not answer within {} ms", kSilence / 1ms) : how;
+    case AdapterFault::kHeldOn:
+      return format("did not answer the last message within {} ms", kConfirmTime / 1ms);
+    case AdapterFault::kGone:
+      return how.empty() ? "closed its standard input or output" : how;
+    case AdapterFault::kTold:
+      return printable_line(told_error(message_.data(), std::min(size_, message_.size())),
+                            message_.size());
+    case AdapterFault::kStoodStill:
+      return format("its time stood still for {} ms", kSilence / 1ms);
+    case AdapterFault::kGuardGone:
+      return "its guard process is gone";
+    case AdapterFault::kSize:
       return format("sent {} bytes, and a state has {}", size_, sizeof state_);
-    case StateFlaw::kNumber:
+    case AdapterFault::kNumber:
       return format("answered force {} instead of force {}", wrong_.number, expected_);
-    case StateFlaw::kNotFinite:
+    case AdapterFault::kNotFinite:
       return "sent a number that is not finite";
-    case StateFlaw::kOutside:
+    case AdapterFault::kOutside:
       return format("is at {}, and its ranges go from {} to {}", place(wrong_.position),
                     place(greeting_.low), place(greeting_.high));
-    case StateFlaw::kBackwards:
+    case AdapterFault::kBackwards:
       return format("its time went back from {} to {} s", rounded(state_.time),
                     rounded(wrong_.time));
   }

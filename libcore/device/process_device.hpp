@@ -53,12 +53,27 @@ DeviceInfo device_info(const hapgrid_device_greeting& greeting, const std::strin
 /// What an adapter says in place of a greeting or a state; empty when it says none.
 std::string_view told_error(const char* message, std::size_t size) noexcept;
 
-enum class StateFlaw { kNone, kSize, kNumber, kNotFinite, kOutside, kBackwards };
+/// What went wrong with an adapter; the last five: with a state that it sent.
+enum class AdapterFault {
+  kNone,
+  kSilent,
+  kHeldOn,
+  kGone,
+  kTold,
+  kStoodStill,
+  kGuardGone,
+  kSize,
+  kNumber,
+  kNotFinite,
+  kOutside,
+  kBackwards
+};
 
-/// Real-time safe. @param greeting without flaw. @param size bytes that came, of which `state` has
-/// the first ones. @param number of the last force. @param time of the state before.
-StateFlaw state_flaw(const hapgrid_device_greeting& greeting, const hapgrid_device_state& state,
-                     std::size_t size, std::uint32_t number, double time) noexcept;
+/// The flaw of a state. Real-time safe. @param greeting without flaw. @param size bytes that came,
+/// of which `state` has the first ones. @param number of the last force. @param time of the state
+/// before.
+AdapterFault state_flaw(const hapgrid_device_greeting& greeting, const hapgrid_device_state& state,
+                        std::size_t size, std::uint32_t number, double time) noexcept;
 
 class ProcessDevice : public Device {
  public:
@@ -95,16 +110,14 @@ class ProcessDevice : public Device {
 
  private:
   using Clock = std::chrono::steady_clock;
-  enum class Fault { kNone, kSilent, kHeldOn, kGone, kTold, kFlaw, kStoodStill, kGuardGone };
 
   void greet();
   std::string what() const;
-  std::string what_flaw() const;
-  bool fail(Fault fault) noexcept;
+  bool fail(AdapterFault fault) noexcept;
   bool ask(const Vec3& force) noexcept;
   ssize_t read_message(int flags) noexcept;
   bool is_told() const noexcept;
-  bool end(Fault fault) noexcept;
+  bool end(AdapterFault fault) noexcept;
   bool receive() noexcept;
   bool read_answer() noexcept;
   bool beat(Clock::time_point now) noexcept;
@@ -119,11 +132,10 @@ class ProcessDevice : public Device {
   bool asked_ = false;        // its answer was not read yet
   bool snaps_ = false;        // with the next force
   Histogram delays_;
-  Fault fault_ = Fault::kNone;
+  AdapterFault fault_ = AdapterFault::kNone;
   std::array<char, 512> message_{};  // the last one that came, of size_ bytes
   std::size_t size_ = 0;
   // For error():
-  StateFlaw flaw_ = StateFlaw::kNone;
   hapgrid_device_state wrong_{};  // that answered the force expected_
   std::uint32_t expected_ = 0;
   bool stopped_ = false;

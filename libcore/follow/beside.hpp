@@ -33,7 +33,6 @@
 #include "libcore/base/histogram.hpp"
 #include "libcore/base/spsc_ring.hpp"
 #include "libcore/base/triple_buffer.hpp"
-#include "libcore/follow/beside_answer.hpp"
 #include "libcore/follow/model_traversal.hpp"
 #include "libcore/model/fields.hpp"
 

@@ -221,6 +221,9 @@ bool BranchTraversal::cross_on_one_branch(const CellWalk::Part& way, int beside,
     rows[k] = grid_.row(nodes[k]).data();
     __builtin_prefetch(rows[k]);
     __builtin_prefetch(rows[k] + row_.size() - 1);
+    // What the next switch reads, if the hand goes straight on.
+    grid_.fetch_links(nodes[k]);
+    grid_.fetch_levels(cells.point(way.base, k) + (way.base - walk_.base()));
   }
   anchor_ = anchor;
   nodes_ = nodes;

@@ -32,7 +32,6 @@
 #include <memory>
 #include <vector>
 
-#include "libcore/follow/beside_answer.hpp"
 #include "libcore/follow/branch_nodes.hpp"
 #include "libcore/follow/traversal.hpp"
 

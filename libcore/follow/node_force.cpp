@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "libcore/follow/beside_answer.hpp"
-
 namespace hapgrid {
 
 NodeEnergies::NodeEnergies(const Grid& grid, const RecordFields& fields) : nodes_(grid.records()) {

@@ -5,8 +5,9 @@
 //
 // Which corners? Eight pointers to rows. In a cell a copy of the states in an n x 8 block is no
 // faster, and each switch would have to make it; a copy of the whole grid in another layout would
-// double the memory. It does help to prefetch the links of the new corners together with their
-// states: the next switch finds them in the cache (tests/bench/interpolation.cpp).
+// double the memory. It does help to prefetch, together with the states of the new corners, what
+// the next switch reads if the hand goes straight on: their links, and where the records of the
+// next points begin (tests/bench/interpolation.cpp).
 #pragma once
 
 #include <algorithm>
@@ -22,7 +23,6 @@
 namespace hapgrid {
 
 class Beside;
-struct BesideAnswer;
 class BranchNodes;
 
 /// In Traversal::levels(): no record of the grid.
@@ -70,6 +70,16 @@ struct CornersBefore {
     nodes = corners;
     have_changed = false;
   }
+};
+
+/// What the model beside the grid (beside.hpp) says of the place where the hand will be when this
+/// answer comes.
+struct BesideAnswer {
+  std::uint64_t tick = 0;     ///< Beside::tick() when it was asked
+  bool usable = false;        ///< the model could follow the hand
+  Vec3 at{0, 0, 0};           ///< that place, in the model's unit of length
+  std::vector<double> row;    ///< GridSpec::row_size() values: state, and what is stored
+  std::optional<Vec3> force;  ///< newtons; nothing: the model does not say
 };
 
 /// The traversal of one grid by one HIP; for one thread.

@@ -20,14 +20,9 @@ std::string describe(const Grid& grid, RecordIndex r) {
   return describe(grid.box(), grid.point(r), grid.level(r));
 }
 
-std::string describe_link(const Box& box, PointIndex point, Level level, int q) {
-  const auto step = Direction(q).step();
-  return format("{} direction {} ({}, {}, {})", describe(box, point, level), q, step[0], step[1],
-                step[2]);
-}
-
 std::string describe_link(const Grid& grid, RecordIndex r, int q) {
-  return describe_link(grid.box(), grid.point(r), grid.level(r), q);
+  const auto step = Direction(q).step();
+  return format("{} direction {} ({}, {}, {})", describe(grid, r), q, step[0], step[1], step[2]);
 }
 
 std::string state_text(std::span<const double> state) {

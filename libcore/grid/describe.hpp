@@ -14,7 +14,6 @@ std::string describe(const Box& box, PointIndex point);
 std::string describe(const Box& box, PointIndex point, Level level);
 std::string describe(const Grid& grid, RecordIndex r);
 /// "point 5 (1, 2, 0) level 1 direction 3 (-1, 0, -1)"
-std::string describe_link(const Box& box, PointIndex point, Level level, int q);
 std::string describe_link(const Grid& grid, RecordIndex r, int q);
 
 /// A state for people: "0.1", or "(0.1, 0.2, 0.3, ...)" with at most four components.

@@ -33,12 +33,6 @@ void reserve_large(std::vector<T>& values, std::size_t count) {
 #endif
 }
 
-std::uint64_t hash(const Links& links) {
-  // The bytes behind `usable` are padding, which has any value.
-  const auto bytes = std::as_bytes(std::span(&links, 1));
-  return digest_of(bytes.first(offsetof(Links, usable) + sizeof(links.usable))).low;
-}
-
 }  // namespace
 
 Links make_links(const Level* levels, DirectionMask inside) {
@@ -53,30 +47,20 @@ Links make_links(const Level* levels, DirectionMask inside) {
 std::uint32_t LinkTable::add(const Links& links) {
   // Neighbours are mostly alike.
   if (last_ < entries_.size() && entries_[last_] == links) return last_;
-  if (2 * (entries_.size() + 1) > slots_.size()) grow();
-  const std::size_t mask = slots_.size() - 1;
-  for (std::size_t i = hash(links) & mask;; i = (i + 1) & mask) {
-    if (slots_[i] == 0) {
-      entries_.push_back(links);
-      slots_[i] = static_cast<std::uint32_t>(entries_.size());
-      return last_ = slots_[i] - 1;
-    }
-    if (entries_[slots_[i] - 1] == links) return last_ = slots_[i] - 1;
-  }
+  const auto [found, is_new] =
+      number_of_.try_emplace(links, static_cast<std::uint32_t>(entries_.size()));
+  if (is_new) entries_.push_back(links);
+  return last_ = found->second;
 }
 
-void LinkTable::grow() {
-  slots_.assign(slots_.empty() ? 64 : 2 * slots_.size(), 0);
-  const std::size_t mask = slots_.size() - 1;
-  for (std::size_t n = 0; n < entries_.size(); ++n) {
-    std::size_t i = hash(entries_[n]) & mask;
-    while (slots_[i] != 0) i = (i + 1) & mask;
-    slots_[i] = static_cast<std::uint32_t>(n + 1);
-  }
+std::size_t LinkTable::Hash::operator()(const Links& links) const noexcept {
+  // The bytes behind `usable` are padding, which has any value.
+  const auto bytes = std::as_bytes(std::span(&links, 1));
+  return digest_of(bytes.first(offsetof(Links, usable) + sizeof(links.usable))).low;
 }
 
 void LinkTable::finish() {
-  slots_ = {};
+  number_of_ = {};
   entries_.shrink_to_fit();
 }
 

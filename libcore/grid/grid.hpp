@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "libcore/base/mutex.hpp"
@@ -36,10 +37,12 @@ class LinkTable {
   void finish();
 
  private:
-  void grow();
+  struct Hash {
+    std::size_t operator()(const Links& links) const noexcept;
+  };
 
   std::vector<Links> entries_;
-  std::vector<std::uint32_t> slots_;  // open addressing: number + 1, or 0; a power of two
+  std::unordered_map<Links, std::uint32_t, Hash> number_of_;
   std::uint32_t last_ = 0;
 };
 
@@ -104,6 +107,11 @@ class Grid {
   }
   std::span<const Level, kDirections> links(RecordIndex r) const {
     return table_[links_of_[r]].level;
+  }
+  /// Brings what destination() reads of a record, and of a point, into the cache. Real-time safe.
+  void fetch_links(RecordIndex r) const noexcept { __builtin_prefetch(links_of_.data() + r); }
+  void fetch_levels(PointIndex p) const noexcept {
+    if (p < box().points()) __builtin_prefetch(first_.data() + p);
   }
   /// The record to which direction q leads from record r; kNoRecord when the direction leaves the
   /// box, is not settled, or leads to a level that does not exist. Real-time safe, as the next two.

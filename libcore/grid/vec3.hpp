@@ -31,6 +31,9 @@ constexpr Vec3 operator*(double s, const Vec3& v) noexcept {
 inline double dot(const Vec3& a, const Vec3& b) noexcept {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
+constexpr Vec3 cross(const Vec3& a, const Vec3& b) noexcept {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
 inline double length_of(const Vec3& v) noexcept { return std::sqrt(dot(v, v)); }
 
 }  // namespace hapgrid

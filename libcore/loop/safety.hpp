@@ -13,7 +13,7 @@
 // What the third promise assumes: the hand's acceleration, the encoder and the delay are those of
 // the limits, and no tick is missed; forces that do what the model's energy loses come late by what
 // the damping of hand and device takes. A field does so: its forces change little in a tick. That
-// the energies and forces of a grid belong to one field is guarded by agreement.hpp when it is
+// the energies and forces of a grid belong to one field is guarded by record_fields.hpp when it is
 // loaded, and by the tank where they differ in a tick (energy_tank.hpp). The promise needs the
 // hand's place in metres, so there is none where the scale is not known: that is so only for
 // devices that push nobody (paths, keys, and replays of them).

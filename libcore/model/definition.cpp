@@ -27,9 +27,9 @@ class Reader : private TomlFile {
     const toml::table& model = table(root(), "model");
     only_keys(model, "model.", {"plugin", "process", "name", "parameters", "files"});
     if (model.contains("process")) {
-      d.process = process(model);
+      process(model, d);
     } else {
-      d.plugin = text(required(model, "model.", "plugin"), "model.plugin");
+      d.model = text(required(model, "model.", "plugin"), "model.plugin");
       if (const toml::node* name = model.get("name"))
         fail(*name, "model.name is for a model.process; a plug-in has its own");
     }
@@ -65,10 +65,12 @@ class Reader : private TomlFile {
     return d;
   }
 
-  ProcessDefinition read_process() const {
+  Definition read_process() const {
     const toml::table& model = table(root(), "model");
     if (!model.contains("process")) fail(model, "the key model.process is missing");
-    return process(model);
+    Definition d;
+    process(model, d);
+    return d;
   }
 
  private:
@@ -117,23 +119,20 @@ class Reader : private TomlFile {
     return {values[0], values[1], values[2]};
   }
 
-  ProcessDefinition process(const toml::table& model) const {
+  void process(const toml::table& model, Definition& d) const {
     if (const toml::node* plugin = model.get("plugin"))
       fail(*plugin, "model.plugin and model.process exclude each other");
-    ProcessDefinition process;
     const toml::node& name = required(model, "model.", "name");
-    process.name = text(name, "model.name");
-    if (!is_valid_name(process.name))
-      fail(name, format("model.name '{}': it has only letters, digits, '-' and '_'", process.name));
+    d.model = text(name, "model.name");
+    if (!is_valid_name(d.model))
+      fail(name, format("model.name '{}': it has only letters, digits, '-' and '_'", d.model));
     const toml::array& words = array(*model.get("process"), "model.process");
     for (const toml::node& word : words) {
-      process.command.push_back(text(word, "model.process"));
-      if (process.command.back().find('\0') != std::string::npos)
+      d.command.push_back(text(word, "model.process"));
+      if (d.command.back().find('\0') != std::string::npos)
         fail(word, "model.process has a text with a zero byte");
     }
-    if (words.empty() || process.command.front().empty())
-      fail(words, "model.process names no program");
-    return process;
+    if (words.empty() || d.command.front().empty()) fail(words, "model.process names no program");
   }
 
   void parameters(const toml::table& in, const std::string& prefix,
@@ -218,7 +217,7 @@ Definition read_definition(const std::string& text, const std::string& name,
   return Reader(text, name, overrides).read(read_file);
 }
 
-ProcessDefinition read_process(const std::string& text, const std::string& name) {
+Definition read_process(const std::string& text, const std::string& name) {
   return Reader(text, name, {}).read_process();
 }
 

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,16 +21,9 @@ struct SeedDefinition {
   std::vector<std::vector<double>> states;
 };
 
-/// The model as a process: the name that grids know it by, and the command.
-struct ProcessDefinition {
-  std::string name;
-  std::vector<std::string> command;
-};
-
 struct Definition {
-  std::string plugin;                        ///< empty: a process
-  std::optional<ProcessDefinition> process;  ///< set if and only if `plugin` is empty
-  const std::string& model_name() const { return process ? process->name : plugin; }
+  std::string model;  ///< the plug-in's name, or that by which grids know the process
+  std::vector<std::string> command;  ///< of a process: program and arguments; empty: a plug-in
 
   std::vector<Parameter> parameters;  ///< ascending by key
   Box box;
@@ -57,8 +49,9 @@ Definition read_definition(const std::string& text, const std::string& name,
                            const std::vector<std::string>& overrides,
                            const std::function<std::string(const std::string&)>& read_file);
 
-/// Reads only the model of a definition, from a file that a user names to allow its command.
+/// Reads only name and command of a definition, from a file that a user names to allow that
+/// command.
 /// @throw Error as above, and when the model is a plug-in.
-ProcessDefinition read_process(const std::string& text, const std::string& name);
+Definition read_process(const std::string& text, const std::string& name);
 
 }  // namespace hapgrid

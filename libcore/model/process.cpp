@@ -119,9 +119,7 @@ Child Launcher::start(const std::string& file, const std::vector<std::string>& w
 
 void Launcher::run(const std::stop_token& stop) {
   // This program's signals are for its other threads. No handler runs in a child before exec.
-  sigset_t all;
-  ::sigfillset(&all);
-  ::pthread_sigmask(SIG_SETMASK, &all, nullptr);
+  const BlockedSignals blocked;
   for (;;) {
     std::unique_lock lock(mutex_);
     if (!has_task_.wait(lock, stop, [this] { return !tasks_.empty(); })) return;

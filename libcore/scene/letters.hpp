@@ -4,8 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "libcore/scene/drawing.hpp"
-#include "libcore/scene/image.hpp"
+#include "libcore/scene/render.hpp"
 
 namespace hapgrid {
 

@@ -1,10 +1,14 @@
 #include "libcore/scene/render.hpp"
 
+#include <png.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <utility>
 
+#include "libcore/base/error.hpp"
 #include "libcore/grid/vec3.hpp"
 #include "libcore/scene/letters.hpp"
 #include "libcore/scene/light.hpp"
@@ -324,6 +328,22 @@ Image render(const Scene& scene, const Frame& frame, const Camera& camera,
   }
   if (options.letters) draw_labels(image, all.labels, options.letter_scale);
   return image;
+}
+
+std::vector<std::byte> encode_png(const Image& image) {
+  // The simplified interface of libpng: the other one leaves functions by longjmp().
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  png.width = static_cast<png_uint_32>(image.width);
+  png.height = static_cast<png_uint_32>(image.height);
+  png.format = PNG_FORMAT_RGB;
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
+  std::vector<std::byte> bytes(size);
+  if (!png_image_write_to_memory(&png, bytes.data(), &size, /*convert_to_8_bit=*/0,
+                                 image.pixels.data(), /*row_stride=*/0, nullptr))
+    throw Error(std::string("png: ") + png.message);
+  bytes.resize(size);
+  return bytes;
 }
 
 }  // namespace hapgrid

@@ -10,14 +10,6 @@
 
 namespace hapgrid {
 
-namespace {
-
-Vec3 cross(const Vec3& a, const Vec3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-}  // namespace
-
 double torsion_degrees(const Torsion& torsion, std::span<const float> centres) {
   std::array<Vec3, 3> way;  // from each sphere to the next
   for (std::size_t k = 0; k < 3; ++k)

@@ -23,50 +23,22 @@ constexpr std::chrono::seconds kLeastWork{1};
 // writes take 3 % of its time at most.
 constexpr int kWorkForWrite = 33;
 
-/// The records of a section, one by one.
-class Records {
- public:
-  explicit Records(const Section& section) : section_(section), reader_(section) {}
-
-  bool next() {
-    if (++row_ < rows_.size()) return true;
-    row_ = 0;
-    do {
-      if (chunk_ == section_.footer.chunks.size()) return false;
-      reader_.read(chunk_++, rows_);
-    } while (rows_.size() == 0);
-    return true;
+/// Whether `later` has all records of `earlier`, and else only those of later generations. The
+/// links of the last generation of `earlier` were not settled yet.
+bool grew_from(const Grid& later, const Grid& earlier) {
+  RecordIndex known = 0;
+  for (RecordIndex found = 0; found < later.records(); ++found) {
+    const std::uint32_t generation = later.record_generation(found);
+    if (generation > earlier.generation()) continue;
+    const RecordIndex r = known++;
+    if (r == earlier.records() || later.point(found) != earlier.point(r) ||
+        later.level(found) != earlier.level(r) || generation != earlier.record_generation(r) ||
+        std::memcmp(later.row(found).data(), earlier.row(r).data(), later.row(found).size_bytes()))
+      return false;
+    if (!earlier.in_frontier(r) && !std::ranges::equal(later.links(found), earlier.links(r)))
+      return false;
   }
-  std::uint32_t generation() const { return rows_.generation[row_]; }
-  /// @param settled whether both have the links of this record
-  bool same(const Records& other, bool settled) const {
-    const auto equal = [&](const auto& a, const auto& b, std::size_t each) {
-      return std::memcmp(&a[row_ * each], &b[other.row_ * each], each * sizeof a[0]) == 0;
-    };
-    return equal(rows_.point, other.rows_.point, 1) && equal(rows_.level, other.rows_.level, 1) &&
-           generation() == other.generation() &&
-           equal(rows_.numbers, other.rows_.numbers, rows_.width) &&
-           (!settled || equal(rows_.links, other.rows_.links, kDirections));
-  }
-
- private:
-  const Section& section_;
-  SectionReader reader_;
-  RecordRows rows_;
-  std::size_t chunk_ = 0;
-  std::size_t row_ = 0;
-};
-
-/// Whether `later` has all records of `earlier`, and else only those of later generations.
-bool grew_from(const Section& later, const Section& earlier) {
-  const std::uint32_t generation = earlier.header.generation;
-  Records found(later);
-  Records known(earlier);
-  while (found.next()) {
-    if (found.generation() > generation) continue;
-    if (!known.next() || !found.same(known, found.generation() < generation)) return false;
-  }
-  return !known.next();
+  return known == earlier.records();
 }
 
 }  // namespace
@@ -90,7 +62,7 @@ Section PartialGrid::start(const Section& grid) {
   if (limit > spec.max_levels)
     throw FormatError(format("{}: was found with a level limit of {}, which is now {}{}", name_,
                              limit, spec.max_levels, remove));
-  if (!grew_from(file, grid))
+  if (!grew_from(load_grid(file).grid, load_grid(grid).grid))
     throw FormatError(
         format("{}: did not grow from {}, which has other seeds or is of a later generation{}",
                name_, grid.file->name(), remove));
@@ -177,8 +149,8 @@ void run_rounds(SectionHeader& header, Levels& levels, Converter& converter, Pro
           return true;
         },
         converter, header.spec,
-        [&](PointIndex, Level, DirectionMask directions, const double* rows) {
-          levels.settle(*source++, directions, header.generation,
+        [&](const FrontierRecord& record, const double* rows) {
+          levels.settle(*source++, record.todo, header.generation,
                         [&](int q) { return rows + static_cast<unsigned>(q) * width; });
         });
     frontier = frontier_of(levels, known, header.generation);

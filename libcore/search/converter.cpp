@@ -154,10 +154,11 @@ void Converter::make_conversions(Batch& batch, WorkQueue& queue, Model& model) {
     const auto [i, q] = batch.conversion(item);
     if (record != i) {
       record = i;
-      x = box_.position(batch.point(i));
-      state = batch.state(i);
+      const FrontierRecord& from = batch.record(i);
+      x = box_.position(from.point);
+      state = from.state;
       reached = batch.reached(i);
-      if (!is_process) current = {batch.point(i), batch.level(i), -1};
+      if (!is_process) current = {from.point, from.level, -1};
     }
     if (!is_process) current.q = q;
     conversion = {state, x, neighbourhood_.shift(q), reached + q * width, item};
@@ -213,8 +214,8 @@ void Converter::convert(Batch& batch) {
   run(batch, queue);
   queue.require_success([&](std::uint64_t item) {
     const auto [i, q] = batch.conversion(item);
-    return format("conversion at {}, direction {}", describe(box_, batch.point(i), batch.level(i)),
-                  q);
+    return format("conversion at {}, direction {}",
+                  describe(box_, batch.record(i).point, batch.record(i).level), q);
   });
 }
 

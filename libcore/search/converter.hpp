@@ -10,6 +10,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "libcore/base/error.hpp"
@@ -39,22 +40,27 @@ class Stopped : public Error {
   explicit Stopped(const std::string& what_is_kept = "") : Error("interrupted" + what_is_kept) {}
 };
 
+/// A record, and the conversions from it that are asked for.
+struct FrontierRecord {
+  PointIndex point = 0;
+  Level level = 0;
+  const double* state = nullptr;
+  DirectionMask todo = 0;  ///< the directions
+};
+
 /// Records with the directions to be expanded, and room for what each conversion reaches. There are
 /// enough records to keep the threads busy, and so few that the rows reached stay near the caches.
 class Batch {
  public:
-  /// One conversion: of a record of the batch, in a direction.
-  struct Item {
-    std::uint16_t record;
-    std::uint16_t direction;
-  };
+  /// One conversion: the number of a record in the batch, and a direction.
+  using Item = std::pair<std::uint16_t, std::uint16_t>;
 
   explicit Batch(const GridSpec& spec)
       : n_(spec.state_size),
         row_size_(spec.row_size()),
         capacity_(std::clamp<std::size_t>(kBytes / (sizeof(double) * kDirections * row_size_), 1,
                                           kMaxRecords)),
-        sources_(std::make_unique_for_overwrite<Source[]>(capacity_)),
+        records_(std::make_unique_for_overwrite<FrontierRecord[]>(capacity_)),
         states_(std::make_unique_for_overwrite<double[]>(capacity_ * n_)),
         reached_(std::make_unique_for_overwrite<double[]>(capacity_ * kDirections * row_size_)),
         items_(std::make_unique_for_overwrite<Item[]>(capacity_ * kDirections)) {}
@@ -63,21 +69,18 @@ class Batch {
   bool is_full() const { return size_ == capacity_; }
   void clear() { size_ = count_ = 0; }
 
-  /// Adds a record to a batch that is not full. `todo` are the directions to expand, `state` the
-  /// numbers of its state.
-  void add(PointIndex point, Level level, const double* state, DirectionMask todo) {
-    sources_[size_] = {point, todo, level};
-    std::copy_n(state, n_, &states_[size_ * n_]);
-    for (DirectionMask left = todo; left; left &= left - 1)
+  /// Adds a record to a batch that is not full, and keeps a copy of its state.
+  void add(const FrontierRecord& record) {
+    double* const state = &states_[size_ * n_];
+    std::copy_n(record.state, n_, state);
+    records_[size_] = {record.point, record.level, state, record.todo};
+    for (DirectionMask left = record.todo; left; left &= left - 1)
       items_[count_++] = {static_cast<std::uint16_t>(size_),
                           static_cast<std::uint16_t>(std::countr_zero(left))};
     ++size_;
   }
 
-  PointIndex point(std::size_t i) const { return sources_[i].point; }
-  Level level(std::size_t i) const { return sources_[i].level; }
-  DirectionMask todo(std::size_t i) const { return sources_[i].todo; }
-  const double* state(std::size_t i) const { return &states_[i * n_]; }
+  const FrontierRecord& record(std::size_t i) const { return records_[i]; }
   /// What the conversions of a record reach: 26 rows of row_size() numbers.
   double* reached(std::size_t i) { return &reached_[i * kDirections * row_size_]; }
 
@@ -89,19 +92,13 @@ class Batch {
   static constexpr std::size_t kBytes = 8 << 20;
   static constexpr std::size_t kMaxRecords = 2048;
 
-  struct Source {
-    PointIndex point;
-    DirectionMask todo;
-    Level level;
-  };
-
   std::uint32_t n_;
   std::uint32_t row_size_;
   std::size_t capacity_;
   std::size_t size_ = 0;
   std::size_t count_ = 0;  // conversions
   // Not initialised: a small frontier touches little of it.
-  std::unique_ptr<Source[]> sources_;
+  std::unique_ptr<FrontierRecord[]> records_;
   std::unique_ptr<double[]> states_;   // capacity x n
   std::unique_ptr<double[]> reached_;  // capacity x 26 x row_size
   std::unique_ptr<Item[]> items_;      // capacity x 26

@@ -43,14 +43,6 @@ class Partition {
   std::uint64_t block_;  // items in a block
 };
 
-/// A record of a frontier, and the conversions that are asked for.
-struct FrontierRecord {
-  PointIndex point = 0;
-  Level level = 0;
-  const double* state = nullptr;
-  DirectionMask todo = 0;
-};
-
 /// A part of the frontier of a grid, record by record. Only chunks with conversions of the part are
 /// read, and one of them is in memory at a time.
 class FrontierReader {
@@ -78,20 +70,17 @@ class FrontierReader {
 };
 
 /// Evaluates every conversion of the records that next(FrontierRecord&) gives until it answers
-/// false, and gives what was reached to out(point, level, directions, rows), record by record in
-/// the same order: `rows` has room for 26 rows, of which those of the `directions` are set. Memory:
-/// one batch.
+/// false, and gives what was reached to out(record, rows), record by record in the same order:
+/// `rows` has room for 26 rows, of which those of the directions are set. Memory: one batch.
 /// @throw ModelError; what `next` and `out` throw
 template <class Next, class Sink>
 void expand(Next&& next, Converter& converter, const GridSpec& spec, Sink&& out) {
   Batch batch(spec);
   FrontierRecord record;
   for (bool more = true; more;) {
-    while (!batch.is_full() && (more = next(record)))
-      batch.add(record.point, record.level, record.state, record.todo);
+    while (!batch.is_full() && (more = next(record))) batch.add(record);
     converter.convert(batch);
-    for (std::size_t i = 0; i < batch.size(); ++i)
-      out(batch.point(i), batch.level(i), batch.todo(i), batch.reached(i));
+    for (std::size_t i = 0; i < batch.size(); ++i) out(batch.record(i), batch.reached(i));
     batch.clear();
   }
 }

@@ -90,7 +90,7 @@ GridSpec spec_of(const Definition& definition, const Model& model) {
   GridSpec spec;
   static_cast<ModelDescription&>(spec) = info;
   spec.box = definition.box;
-  spec.model = definition.model_name();
+  spec.model = definition.model;
   spec.parameters = definition.parameters;
   spec.max_levels = definition.max_levels;
   if (!spec.stored.shape) spec.spheres.clear();

@@ -1,8 +1,7 @@
-// The motion of a hand, read from a session or from a text log of play, to be replayed.
+// The motion of a hand, read from a session, to be replayed.
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,23 +21,17 @@ struct RecordedTick {
 };
 
 struct Recording {
-  std::optional<SessionHeader> header;  ///< of a session; a text has none
-  std::string ended_early;              ///< SessionReader::ended_early(); empty for a text
-  std::vector<RecordedTick> ticks;      ///< at least one
+  SessionHeader header;
+  std::string ended_early;          ///< SessionReader::ended_early()
+  std::vector<RecordedTick> ticks;  ///< at least one
 };
 
 /// The most bytes of memory for the ticks of a recording: some 7 h at 1 kHz.
 inline constexpr std::uint64_t kRecordingLimit = 1'000'000'000;
 
-/// Reads a session or a text; the content tells which. "-" is standard input.
-///
-/// A text has a first line "# t x y z ...", as play --log writes it: names of
-/// columns, separated by tabs. Only t (seconds) and x, y, z are read. A tick's number is
-/// t * text_rate_hz, rounded. A text has no clutch, stalled, reset, next and begins: they are
-/// false.
-/// @throw std::system_error; FormatError "NAME: byte N: ..." for a session; Error "NAME: line N:
-/// ..." for a text; Error when there is no tick, or when the ticks need more than `limit` bytes.
-Recording load_recording(const std::string& name, double text_rate_hz,
-                         std::uint64_t limit = kRecordingLimit);
+/// Reads a session. "-" is standard input.
+/// @throw std::system_error; FormatError "NAME: byte N: ..."; Error when there is no tick, or when
+/// the ticks need more than `limit` bytes.
+Recording load_recording(const std::string& name, std::uint64_t limit = kRecordingLimit);
 
 }  // namespace hapgrid

@@ -188,12 +188,11 @@ Session read_session(const std::string& name) {
 
 /// As play --device replay: reads it.
 Session read_recording(const std::string& name) {
-  const Recording recording = load_recording(name, 1000);
+  const Recording recording = load_recording(name);
   Session session;
   session.ended_early = !recording.ended_early.empty();
   Content head;
-  head.add(recording.header.has_value());
-  if (recording.header) add(head, *recording.header);
+  add(head, recording.header);
   session.head = head.bytes();
   for (const RecordedTick& tick : recording.ticks) {
     Content content;

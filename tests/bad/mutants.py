@@ -178,7 +178,6 @@ def all_filters():
     filters("frames", "m", mutants("frames", texts(f"{corpus}/streams/made-frames-*"), count), [["view", "m"], ["view", "m", "--png", "out.png", "--size", "40x30"]])
     filters("definition", "m.toml", mutants("definition", [open("small.toml", "rb").read()], count), [["seed", "m.toml", "-o", "out"]])
     filters("path", "m", mutants("path", texts(f"{corpus}/texts/made-path-*"), count), [[*played, "path:m"]])
-    filters("text log", "m", mutants("text log", texts(f"{corpus}/texts/made-recording-*"), count), [[*played, "replay:m"]])
     filters("play.toml", "m.toml", mutants("play.toml", texts("play.toml"), count), [[*played, "path:path", "--config", "m.toml"]])
     filters("answers", "answers", mutants("answers", texts(f"{corpus}/process/made-*"), count), [["seed", "process.toml", "--allow-process", "-o", "out"]])
     if not SANITIZED:  # the stand-in for hidapi has no device, which a mutant could harm

@@ -37,7 +37,6 @@
 #include <memory>
 #include <optional>
 
-#include "libcore/follow/agreement.hpp"
 #include "libcore/follow/beside.hpp"
 #include "libcore/follow/branch_traversal.hpp"
 #include "libcore/follow/node_force.hpp"

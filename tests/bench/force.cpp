@@ -16,7 +16,6 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/check/walk.hpp"
-#include "libcore/follow/agreement.hpp"
 #include "libcore/follow/branch_traversal.hpp"
 #include "libcore/follow/model_traversal.hpp"
 #include "libcore/follow/node_force.hpp"

@@ -76,9 +76,9 @@ void read_hand(const TomlFile& file, const std::string& name, Simulation& s) {
     const auto path = std::filesystem::path(name).parent_path() / file.text(*node, "hand.path");
     if (file.root().get("random"))
       file.fail(*node, "a hand with a path moves along it once: there must be no table [random]");
-    for (const PathTick& tick : parse_path(read_regular_text(path, kMaxPathBytes), path)) {
+    for (const DeviceInput& tick : parse_path(read_regular_text(path, kMaxPathBytes), path)) {
       if (tick.next) file.fail(*node, "the hand's path has the word next: hand.next is for that");
-      s.path.push_back(tick.x);
+      s.path.push_back(tick.position);
     }
   }
 }

@@ -39,9 +39,6 @@ done >path
 play stored --device path:path --log played.session --frames frames 2>/dev/null
 put session played <played.session
 head -c -30 played.session | put session cut
-play stored --device replay:played.session --log text 2>/dev/null
-head -n 20 text | put texts recording-played
-printf '# t\tx\ty\tz\n0\t0\t0\t0\n0.001\t1e-3\tnan\t-inf\n' | put texts recording-short
 put streams frames-played <frames
 head -c -20 frames | put streams frames-cut
 

@@ -27,7 +27,7 @@ void read_session(std::span<const std::byte> bytes) {
   refusable([&] { read_ticks({MemoryFile(bytes).take(), "session"}); });
   refusable([&] {
     const MemoryFile memory(bytes);
-    load_recording(memory.name(), 1000);
+    load_recording(memory.name());
   });
 }
 

@@ -38,7 +38,8 @@ void take_adapter(Bytes bytes) {
   double time = -1;
   for (std::uint32_t number = 1; !bytes.empty(); ++number) {
     hapgrid_device_state state{};
-    if (state_flaw(greeting, state, take(bytes, state), number, time) != StateFlaw::kNone) continue;
+    if (state_flaw(greeting, state, take(bytes, state), number, time) != AdapterFault::kNone)
+      continue;
     for (int a = 0; a < 3; ++a)
       if (!(std::abs(state.position[a]) < 20)) std::abort();
     if (!(state.time >= time)) std::abort();

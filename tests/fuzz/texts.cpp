@@ -7,7 +7,6 @@
 
 #include "libcore/device/path.hpp"
 #include "libcore/model/definition.hpp"
-#include "libcore/session/recording.hpp"
 #include "tests/bench/simulation.hpp"
 #include "tests/fuzz/fuzz.hpp"
 #include "tools/devices/profile.hpp"
@@ -72,7 +71,6 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   refusable([&] { use(read_profile(std::string(text), "fuzz")); });
   const MemoryFile memory(std::as_bytes(std::span(data, size)));
   refusable([&] { use(read_simulation(memory.name(), 1000)); });
-  refusable([&] { load_recording(memory.name(), 1000); });
   // What `--cost` appends to, as stats reads it.
   refusable([&] {
     CostSums sums;

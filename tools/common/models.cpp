@@ -37,8 +37,7 @@ void offer_python_module() {
 }
 
 /// It runs in the directory of the definition's file.
-std::unique_ptr<ModelSource> process_source(const ProcessDefinition& process,
-                                            const std::string& file,
+std::unique_ptr<ModelSource> process_source(const Definition& definition, const std::string& file,
                                             const ProcessOptions& options) {
   offer_python_module();
   // As many models as the user wants work side by side. More threads in each would only be in the
@@ -47,7 +46,7 @@ std::unique_ptr<ModelSource> process_source(const ProcessDefinition& process,
     ::setenv(threads, "1", /*overwrite=*/0);
   ProcessOptions with_hint = options;
   with_hint.hint = [](const std::string& line) { say("hapgrid", line); };
-  return std::make_unique<ProcessSource>(process.name, process.command,
+  return std::make_unique<ProcessSource>(definition.model, definition.command,
                                          std::filesystem::path(file).parent_path(), with_hint);
 }
 
@@ -80,13 +79,13 @@ void add_model_options(CommandLine& app, DefinedModelOptions& options) {
 
 std::unique_ptr<ModelSource> model_source(const Definition& definition, const std::string& file,
                                           const DefinedModelOptions& options) {
-  if (!definition.process)
-    return std::make_unique<Plugin>(definition.plugin, model_path(options.path));
+  if (definition.command.empty())
+    return std::make_unique<Plugin>(definition.model, model_path(options.path));
   if (!options.allow_process)
     throw Error(
         format("{}: the model is a process, '{}', which is only started with --allow-process",
-               shown(file), command_text(definition.process->command)));
-  return process_source(*definition.process, file, options.process);
+               shown(file), command_text(definition.command)));
+  return process_source(definition, file, options.process);
 }
 
 std::unique_ptr<ModelSource> model_source(const GridSpec& spec, const ModelOptions& options,
@@ -100,10 +99,10 @@ std::unique_ptr<ModelSource> model_source(const GridSpec& spec, const ModelOptio
         format("model {}: is a process, which is only started with --allow-process MODEL.toml{}",
                spec.model, instead));
   const std::string name = shown(options.allowed);
-  const ProcessDefinition process = read_process(read_toml(options.allowed), name);
-  if (process.name != spec.model)
+  const Definition process = read_process(read_toml(options.allowed), name);
+  if (process.model != spec.model)
     throw ModelError(
-        format("{}: defines the model {}, the grid's is {}", name, process.name, spec.model));
+        format("{}: defines the model {}, the grid's is {}", name, process.model, spec.model));
   return process_source(process, options.allowed, options.process);
 }
 

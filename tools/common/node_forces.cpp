@@ -2,7 +2,7 @@
 
 #include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
-#include "libcore/follow/agreement.hpp"
+#include "libcore/follow/record_fields.hpp"
 
 namespace hapgrid {
 

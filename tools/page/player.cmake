@@ -22,11 +22,11 @@ if(NOT HAPGRID_WASM_LINKS)
   return()
 endif()
 set(objects)
-foreach(source libcore/base/digest libcore/device/coupled_hip libcore/follow/branch_nodes libcore/follow/branch_traversal
+foreach(source libcore/base/digest libcore/follow/branch_nodes libcore/follow/branch_traversal
     libcore/follow/cell_walk libcore/follow/node_force
     libcore/follow/traversal libcore/grid/box libcore/grid/equality libcore/grid/grid
     libcore/loop/energy_tank libcore/loop/mapping libcore/loop/safety libcore/scene/drawing
-    libcore/scene/scene tools/page/alone tools/page/player tools/page/unpack)
+    libcore/scene/scene tools/page/alone tools/page/coupled_hip tools/page/player tools/page/unpack)
   get_filename_component(name ${source} NAME)
   set(object ${wasm_folder}/${name}.o)
   add_custom_command(OUTPUT ${object}

@@ -13,12 +13,12 @@
 #include <optional>
 #include <utility>
 
-#include "libcore/device/coupled_hip.hpp"
 #include "libcore/follow/branch_traversal.hpp"
 #include "libcore/follow/node_force.hpp"
 #include "libcore/loop/responder.hpp"
 #include "libcore/scene/drawing.hpp"
 #include "libcore/scene/scene.hpp"
+#include "tools/page/coupled_hip.hpp"
 #include "tools/page/packed_grid.hpp"
 
 using namespace hapgrid;

@@ -86,17 +86,15 @@ HipRange hip_range(const PlaySettings& settings, const Box& box) {
 }
 
 OpenDevice open_path(const std::string& file) {
-  std::vector<DeviceInput> ticks;
-  for (const PathTick& tick : read_path(file))
-    ticks.push_back({.position = tick.x, .next = tick.next});
+  std::vector<DeviceInput> ticks = read_path(file);
   const std::size_t count = ticks.size();
   return {.device = std::make_unique<ReplayDevice>(std::move(ticks), "path"),
           .ticks = count,
           .session = {}};
 }
 
-OpenDevice open_replay(const std::string& file, double text_rate_hz) {
-  const Recording recording = load_recording(file, text_rate_hz);
+OpenDevice open_replay(const std::string& file) {
+  const Recording recording = load_recording(file);
   if (!recording.ended_early.empty())
     say("play", format("{}: the session ended early, at {}", file, recording.ended_early));
   std::vector<DeviceInput> ticks;
@@ -187,20 +185,18 @@ AdapterProgram adapter_program(const AdapterChoice& choice, const PlaySettings& 
   return program;
 }
 
-OpenDevice open_device(const DeviceChoice& device, const PlaySettings& settings, double virtual_hz,
-                       double rate_hz, const Box& box) {
+OpenDevice open_device(const DeviceChoice& device, const PlaySettings& settings, double rate_hz,
+                       const Box& box) {
   struct Open {
     const PlaySettings& settings;
-    double virtual_hz, rate_hz;
+    double rate_hz;
     const Box& box;
 
     static OpenDevice live(std::unique_ptr<Device> device) {
       return {.device = std::move(device), .session = {}};
     }
     OpenDevice operator()(const PathFile& path) const { return open_path(path.file); }
-    OpenDevice operator()(const ReplayFile& replay) const {
-      return open_replay(replay.file, virtual_hz);
-    }
+    OpenDevice operator()(const ReplayFile& replay) const { return open_replay(replay.file); }
     OpenDevice operator()(const TerminalKeys&) const {
       return live(std::make_unique<KeyboardDevice>(hip_range(settings, box), box.spacing / 2));
     }
@@ -208,7 +204,7 @@ OpenDevice open_device(const DeviceChoice& device, const PlaySettings& settings,
       return open_adapter(adapter_program(adapter, settings, rate_hz));
     }
   };
-  return std::visit(Open{settings, virtual_hz, rate_hz, box}, device);
+  return std::visit(Open{settings, rate_hz, box}, device);
 }
 
 }  // namespace hapgrid

@@ -51,11 +51,10 @@ struct OpenDevice {
   const ProcessDevice* adapter = nullptr;  ///< `device`, if it is one
 };
 
-/// @param virtual_hz ticks a second of a replayed text, which does not say it.
 /// @param rate_hz see adapter_program(). @param box of the grid.
 /// @throw DeviceError, Error, std::system_error
-OpenDevice open_device(const DeviceChoice& device, const PlaySettings& settings, double virtual_hz,
-                       double rate_hz, const Box& box);
+OpenDevice open_device(const DeviceChoice& device, const PlaySettings& settings, double rate_hz,
+                       const Box& box);
 
 /// Prints what --list-devices asks for.
 void print_devices();

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "libcore/scene/image.hpp"
+#include "libcore/scene/render.hpp"
 
 namespace hapgrid {
 

@@ -8,6 +8,12 @@
 
 namespace hapgrid {
 
+namespace {
+
+std::string three_digits(double value) { return format("{:.3g}", value); }
+
+}  // namespace
+
 std::string status_text(const Scene& scene, const Frame& frame) {
   std::string text =
       format("t {} s   force {} N",

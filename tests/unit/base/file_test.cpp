@@ -118,7 +118,7 @@ TEST_CASE("symbolic links are followed, also one to nowhere and a chain") {
 
 TEST_CASE("an input can be read at any offset, from a file and from a pipe") {
   const TemporaryDirectory dir;
-  std::string text;
+  std::string text = "\x28\xB5\x2F\xFD";  // as a zstd frame begins
   for (int i = 0; i < 50000; ++i) text += std::to_string(i) + ' ';
   put(dir.file("in"), text);
   const auto check = [&](const InputFile& file) {
@@ -136,7 +136,7 @@ TEST_CASE("an input can be read at any offset, from a file and from a pipe") {
   REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
   {
     std::jthread writer([&] { put(pipe, text); });
-    check(InputFile(pipe, InputFile::Content::kFramesOrText));
+    check(InputFile(pipe));
   }
   {
     std::jthread writer([&] { put(pipe, "no zstd frame"); });

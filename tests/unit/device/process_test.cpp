@@ -112,14 +112,14 @@ TEST_CASE("states are checked to the last bit of their ranges") {
     state.number = number;
     return state_flaw(greeting, state, size, 7, 1);
   };
-  CHECK(flaw(0.2, 1, 7, 40) == StateFlaw::kNone);  // the longest side is 0.2: half of it beyond
-  CHECK(flaw(std::nextafter(0.2, 1), 1, 7, 40) == StateFlaw::kOutside);
-  CHECK(flaw(-0.21, 1, 7, 40) == StateFlaw::kOutside);
-  CHECK(flaw(0, std::nextafter(1, 0), 7, 40) == StateFlaw::kBackwards);
-  CHECK(flaw(0, std::nan(""), 7, 40) == StateFlaw::kNotFinite);
-  CHECK(flaw(0, 1, 6, 40) == StateFlaw::kNumber);
-  CHECK(flaw(0, 1, 7, 39) == StateFlaw::kSize);
-  CHECK(flaw(0, 1, 7, 41) == StateFlaw::kSize);
+  CHECK(flaw(0.2, 1, 7, 40) == AdapterFault::kNone);  // the longest side is 0.2: half of it beyond
+  CHECK(flaw(std::nextafter(0.2, 1), 1, 7, 40) == AdapterFault::kOutside);
+  CHECK(flaw(-0.21, 1, 7, 40) == AdapterFault::kOutside);
+  CHECK(flaw(0, std::nextafter(1, 0), 7, 40) == AdapterFault::kBackwards);
+  CHECK(flaw(0, std::nan(""), 7, 40) == AdapterFault::kNotFinite);
+  CHECK(flaw(0, 1, 6, 40) == AdapterFault::kNumber);
+  CHECK(flaw(0, 1, 7, 39) == AdapterFault::kSize);
+  CHECK(flaw(0, 1, 7, 41) == AdapterFault::kSize);
 
   // A name may fill its field.
   std::fill(std::begin(greeting.name), std::end(greeting.name), 'n');

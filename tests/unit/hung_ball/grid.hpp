@@ -10,7 +10,7 @@ namespace hung_ball {
 inline hapgrid::Grid grid(const hapgrid::Box& box) {
   using namespace hapgrid;
   Definition definition;
-  definition.plugin = "hung-ball";
+  definition.model = "hung-ball";
   definition.box = box;
   const TemporaryDirectory dir;
   const Plugin plugin("hung-ball", {HAPGRID_BUILD_DIR "/models"});

@@ -116,7 +116,7 @@ TEST_CASE("the failure of a thread ends the work of the others, and reaches the 
     Converter converter(source, spec, 3, progress);
     Batch batch(spec);
     const std::vector<double> state(spec.state_size);
-    while (!batch.is_full()) batch.add(0, 0, state.data(), kAllDirections);
+    while (!batch.is_full()) batch.add({0, 0, state.data(), kAllDirections});
     CHECK_THROWS_WITH(converter.convert(batch), "thrown");
     CHECK(static_cast<std::size_t>(made.exchange(0)) < batch.conversions() / 4);
   }

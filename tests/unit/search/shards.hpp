@@ -68,7 +68,7 @@ struct Case {
     model.amplitude = std::array{0.05, 0.3, 1.0}[static_cast<std::size_t>(draw(random, 0, 2))];
     model.tolerance = std::array{0.2, 0.35, 0.5}[static_cast<std::size_t>(draw(random, 0, 2))];
     set_model(model);
-    definition.plugin = "toy";
+    definition.model = "toy";
     definition.max_levels = 254;
     grid.origin = {-1.5, 0.25, 2};
     grid.spacing = 1.125;
@@ -156,8 +156,8 @@ inline void expand_shard(const std::string& from, Part part, const std::string& 
   const std::uint64_t expected = frontier.conversions();
   write_shard(to, header, [&](SectionWriter& out) {
     expand([&](FrontierRecord& record) { return frontier.next(record); }, converter, header.spec,
-           [&out](PointIndex point, Level level, DirectionMask directions, const double* rows) {
-             out.requests(point, level, directions, rows);
+           [&out](const FrontierRecord& record, const double* rows) {
+             out.requests(record.point, record.level, record.todo, rows);
            });
     out.finish();
   });

@@ -7,12 +7,12 @@
 #include "libcore/base/format.hpp"
 #include "libcore/base/json.hpp"
 #include "libcore/base/text.hpp"
-#include "libcore/device/coupled_hip.hpp"
 #include "libcore/grid/box.hpp"
 #include "libcore/scene/drawing.hpp"
 #include "libcore/scene/legend.hpp"
 #include "libcore/scene/light.hpp"
 #include "libcore/scene/scene.hpp"
+#include "tools/page/coupled_hip.hpp"
 #include "tools/view/status.hpp"
 
 namespace hapgrid {
@@ -60,6 +60,12 @@ Json names_of(const Scene& scene) {
   return names;
 }
 
+/// What stands at an axis of energies: "energy / (kJ/mol)".
+std::string energy_label(const std::string& unit) {
+  const std::string sign = unit.empty() ? "model's unit" : unit_sign(unit);
+  return "energy / " + (sign.find('/') == sign.npos ? sign : "(" + sign + ")");
+}
+
 }  // namespace
 
 Json page_scene(const Scene& scene, const Frame& frame, const RenderOptions& options) {
@@ -68,62 +74,60 @@ Json page_scene(const Scene& scene, const Frame& frame, const RenderOptions& opt
   const auto extent = fit_extent(scene, frame, options, camera);
   const PictureAxes axes(camera);
   const auto [hand_low, hand_high] = hand_range(box);
-  Json data = {
-      {"model", printable_line(scene.model)},
-      {"energy_label",
-       axis_label("energy", scene.energy_unit.empty() ? "model's unit" : scene.energy_unit)},
-      {"keys", printable_line(scene.keys)},
-      {"sticks", options.sticks},
-      {"ball_part", kBallPart},
-      {"stick_part", kStickPart},
-      {"low", box.origin},
-      {"high",
-       box.position(GridCoordinates{box.counts[0] - 1, box.counts[1] - 1, box.counts[2] - 1})},
-      {"hand_low", hand_low},
-      {"hand_high", hand_high},
-      {"hip_radius", hip_radius(scene, options)},
-      {"full_force", scene.largest_force},
-      {"hip_rgb", kHipColour},
-      {"hip_opacity", kHipOpacity},
-      {"hidden_opacity", kHiddenOpacity},
-      {"touched_opacity", kTouchedOpacity},
-      {"touch", kTouch},
-      {"force_rgb", kForceColour},
-      {"hand_colour", css(kHipColour)},
-      {"force_colour", css(kForceColour)},
-      {"snap_colour", css(kSnapColour)},
-      {"energy_colour", css(kEnergyColour)},
-      {"line_pixels", 2 * kLinePixels},
-      {"ring_pixels", kRingPixels},
-      {"hand_line_pixels", 2 * kHandPixels},
-      {"flash_pixels", kFlashPixels},
-      {"shadow_radii", kShadowRadii},
-      {"most_occluders", light::kMostOccluders},
-      {"most_shaded", light::kMostShaded},
-      {"light", light_numbers()},
-      {"ink", css(kInk)},
-      {"legend",
-       {{"margin", kMargin},
-        {"axis", kAxis},
-        {"axis_part", kAxisPart},
-        {"axes_aside", kAxesAside},
-        {"axes_above", kAxesAbove},
-        {"axis_gap", kAxisGap},
-        {"shortest_axis", kShortestAxis},
-        {"line", kLegendLine},
-        {"dot", kDot},
-        {"bar_end", kBarEnd},
-        {"bar_gap", kBarGap},
-        {"bar_part", kBarPart},
-        {"name_row", kNameRow},
-        {"smallest", kSmallest},
-        {"names_width", names_width(scene)},
-        {"names_part", kNamesPart}}},
-      {"axes", {axes.right, axes.up, axes.near}},
-      {"centre", camera.centre},
-      {"extent", extent},
-      {"lengths", Json::array()},
-      {"spheres", Json::array()}};
+  Json data = {{"model", printable_line(scene.model)},
+               {"energy_label", energy_label(scene.energy_unit)},
+               {"keys", printable_line(scene.keys)},
+               {"sticks", options.sticks},
+               {"ball_part", kBallPart},
+               {"stick_part", kStickPart},
+               {"low", box.origin},
+               {"high", box.position(GridCoordinates{box.counts[0] - 1, box.counts[1] - 1,
+                                                     box.counts[2] - 1})},
+               {"hand_low", hand_low},
+               {"hand_high", hand_high},
+               {"hip_radius", hip_radius(scene, options)},
+               {"full_force", scene.largest_force},
+               {"hip_rgb", kHipColour},
+               {"hip_opacity", kHipOpacity},
+               {"hidden_opacity", kHiddenOpacity},
+               {"touched_opacity", kTouchedOpacity},
+               {"touch", kTouch},
+               {"force_rgb", kForceColour},
+               {"hand_colour", css(kHipColour)},
+               {"force_colour", css(kForceColour)},
+               {"snap_colour", css(kSnapColour)},
+               {"energy_colour", css(kEnergyColour)},
+               {"line_pixels", 2 * kLinePixels},
+               {"ring_pixels", kRingPixels},
+               {"hand_line_pixels", 2 * kHandPixels},
+               {"flash_pixels", kFlashPixels},
+               {"shadow_radii", kShadowRadii},
+               {"most_occluders", light::kMostOccluders},
+               {"most_shaded", light::kMostShaded},
+               {"light", light_numbers()},
+               {"ink", css(kInk)},
+               {"legend",
+                {{"margin", kMargin},
+                 {"axis", kAxis},
+                 {"axis_part", kAxisPart},
+                 {"axes_aside", kAxesAside},
+                 {"axes_above", kAxesAbove},
+                 {"axis_gap", kAxisGap},
+                 {"shortest_axis", kShortestAxis},
+                 {"line", kLegendLine},
+                 {"dot", kDot},
+                 {"bar_end", kBarEnd},
+                 {"bar_gap", kBarGap},
+                 {"bar_part", kBarPart},
+                 {"name_row", kNameRow},
+                 {"smallest", kSmallest},
+                 {"names_width", names_width(scene)},
+                 {"names_part", kNamesPart}}},
+               {"axes", {axes.right, axes.up, axes.near}},
+               {"centre", camera.centre},
+               {"extent", extent},
+               {"lengths", Json::array()},
+               {"spheres", Json::array()}};
   const double decade = std::floor(std::log10(std::max(extent[0], extent[1])));
   if (!std::isfinite(decade))
     throw Error("the picture has no size: a radius or the box is too large");

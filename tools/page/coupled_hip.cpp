@@ -1,4 +1,4 @@
-#include "libcore/device/coupled_hip.hpp"
+#include "tools/page/coupled_hip.hpp"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // Whether the forces of a grid are the gradient of its energies.
-#include "libcore/follow/agreement.hpp"
+#include "libcore/follow/record_fields.hpp"
 
 #include <cmath>
 

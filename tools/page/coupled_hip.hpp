@@ -11,7 +11,7 @@
 // the hand's motion. When the model snaps, so that F is gone, it goes to the hand with the time
 // constant b / k, which also smooths positions that come only 60 to 125 times a second.
 //
-// The page that plays a grid by itself (tools/page/) computes the coupling in each tick. With the
+// The page that plays a grid by itself computes the coupling in each tick. With the
 // force of the tick before, a tick dt moves the HIP the part dt / (b / k + dt) of the way to h + F
 // / k. So the HIP does not swing while K <= k (b / k) / dt = b / dt: at 1 kHz behind walls of up to
 // 30 k. A steeper wall can shake it, by no more than the safety core's guard against buzzing

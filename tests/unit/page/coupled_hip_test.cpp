@@ -1,6 +1,6 @@
 // The HIP on the spring of a hand without a force has closed forms behind a wall and after a snap.
 // A grid in a page is in tests/cli/view/grid-page.sh.
-#include "libcore/device/coupled_hip.hpp"
+#include "tools/page/coupled_hip.hpp"
 
 #include <algorithm>
 #include <cmath>
