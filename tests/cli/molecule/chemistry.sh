@@ -19,6 +19,10 @@ END
 hapgrid molecule --smiles OC#CO -o diol --until definition --quiet >said 2>&1 || fail "$(cat said)"
 grep -qP '^H5-O1-O4-H6\t.*\tyes\t' diol/rotors.tsv || fail "$(cat diol/rotors.tsv)"
 
+# An ethyl group that turns freely beside two alkynes is no obstacle to a minimum.
+hapgrid molecule --smiles 'CCC#CC#CCC' --method gfnff -o level --until structures >said 2>&1 || fail "$(cat said)"
+grep -q 'C1-C2-C7-C8: .*turns freely' said || fail "$(cat said)"
+
 # GFN2's nitrous acid is cis: that the trans one of a file turns is said.
 printf '4\n\nN 0 0 0\nO 1.17 0 0\nO -0.505 1.338 0\nH -1.453 1.193 0\n' >hono.xyz
 hapgrid molecule hono.xyz -o hono --until structures >said 2>&1 || fail "$(cat said)"

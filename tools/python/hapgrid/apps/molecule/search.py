@@ -183,7 +183,8 @@ class Search:
     def climbed(self, guess: Array, tangent: Array) -> Point:
         """The saddle near a guess. Errors: optimise.NoPath where that is none between two shapes of this molecule."""
         one = optimise.saddle(self.surface, guess, tangent)
-        count = int((optimise.wave_numbers(one.hessian, one.x, self.surface.masses) < 0).sum())
+        modes = optimise.wave_numbers(one.hessian, one.x, self.surface.masses)
+        count = int((modes[:1] < 0).sum() + (modes[1:] < -optimise.LEVEL).sum())
         if count != 1:
             raise optimise.NoPath(f"{count} imaginary frequencies")
         if not self.intact(one.x):
