@@ -20,6 +20,14 @@ of() { sed -n "s/^$1 = \([^#]*[^# ]\) *#.*/\1/p" dce/dce.toml; }
 same "held and fixed" "[4] [1, 2, 3, 5, 6]" "$(of hold) $(of fixed)"
 stiff=$(awk "BEGIN { print $(of hold_force) / $(of hold_width) }")
 
+# When the hydrogen bond of 2-fluoroethanol breaks, the molecule goes on while both ends of its chain rest, so neither can be
+# led on. The hand holds another atom, which it leads all round.
+hapgrid molecule --smiles OCCF --method gfnff -o fluor --quiet >line 2>&1 || fail "$(cat line)"
+play fluor/fluor.grid --device path:fluor/path-O1-C2-C3-F4.txt --log log 2>said || fail "$(cat said)"
+awk -F'\t' 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
+  { t = $at["s0"]; if (t < least) least = t; if (t > most) most = t; snaps += $at["snap"] }
+  END { exit !(most - least > 0.95 && snaps == 0) }' log || fail "2-fluoroethanol: not round, or it snaps"
+
 # Other atoms: by name, number and pattern; of several their centre. A softer tie is four times as soft.
 again() { hapgrid molecule --smiles ClCCCl --method gfnff -o dce --until definition --quiet "$@" >line 2>&1 || fail "$(cat line)"; }
 again --hold Cl1 && same "by its name" "[1] [2, 3, 4, 7, 8]" "$(of hold) $(of fixed)"

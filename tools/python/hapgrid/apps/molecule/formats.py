@@ -196,14 +196,18 @@ def _pdb(text: str, given: Input) -> None:
 
 
 def _without_alternates(lines: Sequence[str], say: Callable[[str], None]) -> list[str]:
-    """In each residue the alternate location of highest occupancy stays, of equal ones the first."""
+    """Of the alternate locations of each residue that stays which has the highest occupancy in all residues together, of equal
+    ones the first: A of one residue does not go with B of the next."""
     found: dict[str, dict[str, list[float]]] = {}
     for line in lines:
         if line[16] != " ":
             occupancy = float(line[54:60]) if re.fullmatch(r"\s*\d*\.?\d+\s*", line[54:60]) else 1.0
             found.setdefault(line[21:27], {}).setdefault(line[16], []).append(occupancy)
     means = {residue: {name: sum(v) / len(v) for name, v in locations.items()} for residue, locations in found.items()}
-    kept = {residue: min(mean, key=lambda name: (-mean[name], name)) for residue, mean in means.items()}
+    all_over: dict[str, float] = {}
+    for name, mean in (item for locations in means.values() for item in locations.items()):
+        all_over[name] = all_over.get(name, 0.0) + mean
+    kept = {residue: min(mean, key=lambda name: (-all_over[name], name)) for residue, mean in means.items()}
     several = [residue for residue in means if len(means[residue]) > 1]
     if several:
         name, more = kept[several[0]], f" and {len(several) - 1} more" if len(several) > 1 else ""

@@ -171,15 +171,42 @@ def decided(start: Start, result: Result) -> Hold | None:
         from . import along  # which imports this one
         return along.hold(start.molecule, result, o.hold)
     for hold in candidates(start.molecule, start.turning, o.hold, result.x):
-        torsions = tuple(t for t in hold.torsions if t.name in found)
-        if torsions:
-            return replace(hold, torsions=torsions)
+        hold = replace(hold, torsions=tuple(t for t in hold.torsions if t.name in found))
+        if hold.torsions:
+            return hold if o.hold is not None else _led(start, result, hold)
     if o.hold is not None:
         return Hold(named(start.molecule, o.hold), (), ())
     count = len(result.numbers)
     far = [max(np.ptp(places, axis=0).max() for places, _ in ways(result, Hold((a,), (), ()), found).values())
            for a in range(count)]
     return Hold((int(np.argmax(far)),), (), ())
+
+
+def _led(start: Start, result: Result, hold: Hold) -> Hold:
+    """This Hold, or where its way turns back the one that needs the least force on ways that do not. Where a hydrogen bond
+    breaks, the molecule goes on while an end of its chain rests, so the hand cannot lead this end on."""
+    if np.isfinite(_steepest(result, hold)):
+        return hold
+    count, names, out = len(result.numbers), {t.name for t in hold.torsions}, [hold]
+    found = [t for t in start.turning if t.name in names]
+    for here, there, bond in ((*sides, t.atoms[1:3]) for t in start.turning
+                              for sides in (_sides(t, count), _sides(t, count)[::-1])):
+        for atom in sorted(here):
+            other = Hold((atom,), tuple(sorted(there | set(bond))), hold.torsions)
+            if all(_goes(t, result.x, other, result.masses) >= LEAST_WAY for t in found):
+                out.append(other)
+    return min(out, key=lambda one: _steepest(result, one))
+
+
+def _steepest(result: Result, hold: Hold) -> float:
+    """The most force that leads what is held along all paths, kJ/(mol Å); infinite where a way turns back."""
+    most = 0.0
+    for places, energies in ways(result, hold, {t.name for t in hold.torsions}).values():
+        steps = np.diff(places, axis=0)
+        if ((steps[1:] * steps[:-1]).sum(axis=1) <= 0).any():
+            return float("inf")
+        most = max(most, float((np.abs(np.diff(energies)) / np.linalg.norm(steps, axis=1)).max()))
+    return most
 
 
 def ways(result: Result, hold: Hold, names: Collection[str]) -> dict[str, tuple[Array, Array]]:

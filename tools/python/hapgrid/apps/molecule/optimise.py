@@ -23,7 +23,9 @@ if TYPE_CHECKING:
     from .xtb import Potential
 
 FINE = 3e-6  # hartree/bohr: the largest component of the gradient at a minimum or a saddle
-
+# A bond beside several alkynes has no barrier: the differences of which a Hessian is made do not tell its wave number, cm^-1,
+# from 0. Where energies of the shapes along it, hartree, are one, too, nothing falls.
+LEVEL, LEVEL_ENERGY = 5.0, 1e-6
 
 LOUD = 4.0  # times the noise: what differs by less is the same
 
@@ -154,11 +156,13 @@ def minimum(surface: Potential, x: Array, hessian: Array | None = None, longest:
     """The minimum downhill of x, with its exact Hessian. longest, passed: as search() has them; short steps stay in the valley
     where they start."""
     hessian = surface.hessian(x) if hessian is None else hessian
+    energies = []
     for tolerance, leave in zip((1e-4, FINE, FINE, FINE, FINE), (0.1, 0.2, 0.3, 0.4, 0.5)):
         x, *_ = search(surface, x, hessian, tolerance=tolerance, steps=400, longest=longest, renew=surface.hessian,
                        every=3 * surface.renewal, passed=passed, noise=surface.noise)
         one = point(surface, x)
         hessian = one.hessian
+        energies.append(one.energy)
         if one.nu1 <= 0:
             # A saddle is near, or it is kept by symmetry: leave it downhill along the mode that falls, farther each time, since
             # on a nearly free rotor noise decides what is downhill at first.
@@ -166,6 +170,8 @@ def minimum(surface: Potential, x: Array, hessian: Array | None = None, longest:
             x = x - np.copysign(leave, surface(x)[1].ravel() @ mode) * mode.reshape(-1, 3)
         elif tolerance == FINE:
             return one
+    if one.nu1 > -LEVEL and np.ptp(energies[1:]) < LEVEL_ENERGY:
+        return one
     raise NotConverged("not converged: no minimum near a point of symmetry")
 
 

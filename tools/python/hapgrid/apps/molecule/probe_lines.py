@@ -103,11 +103,14 @@ def _held(start: Start, grid: str, structures: Result, hold: Hold, taken: Sequen
         ticks = holding.there_and_back(path, places)
         write_way(folder, file, ticks, "tried")
         saddles = _saddles(path, energies)
-        t = read_log(folder.run("play", grid, "--device", f"path:{file}", "--log", "-").out)[f"s{taken.index(name)}"]
+        log = read_log(folder.run("play", grid, "--device", f"path:{file}", "--log", "-").out)
+        t, snaps = log[f"s{taken.index(name)}"], int(log["snap"].sum())
         over = sum(_crossed(t, at) for at in saddles)
         said = "over all its barriers" if over > 1 else "over its barrier" if saddles else "to its end"
         if over < len(saddles):
             said = OVER.format(over, len(saddles))
+        if snaps and not start.options.soft:
+            said += f", and the molecule snaps {snaps} times" if snaps > 1 else ", and the molecule snaps once"
         write_way(folder, file, ticks, f"The hand holds {what} and leads it along its own way, and back: {name} goes {said}.")
         made.append((-over, k, file))
     return [file for *_, file in sorted(made)]

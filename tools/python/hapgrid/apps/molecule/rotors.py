@@ -64,6 +64,12 @@ def _about_lines(molecule: Molecule) -> list[Torsion]:
     return out
 
 
+def threes(molecule: Molecule) -> list[list[int]]:
+    """The three equal atoms of each CH3, NH3+, CF3 and the like."""
+    ends = [[n for n in near if len(molecule.neighbours[n]) == 1] for near in molecule.neighbours]
+    return [some for some in ends if len(some) == 3 and len({molecule.numbers[n] for n in some}) == 1]
+
+
 def flipped(molecule: Molecule, shapes: Shapes) -> list[str]:
     """The rings that flip along a chain of nearby shapes: a torsion of theirs changes its sign."""
     def flips(ring: Any) -> bool:

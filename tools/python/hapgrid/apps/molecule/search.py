@@ -175,7 +175,7 @@ class Search:
         for one in sorted(lower, key=lambda one: one.energy):
             if (first.energy - one.energy) * HARTREE > SAME_ENERGY:
                 with suppress(optimise.NoPath):
-                    ends = self.ends(one, minimum.x)
+                    ends = self.ends(one, minimum.x, renumber=True)
                     if self.same(ends.near.x, minimum.x) and not self.same(ends.far.x, minimum.x):
                         return ends
         return self.ends(first, minimum.x)
@@ -183,15 +183,17 @@ class Search:
     def climbed(self, guess: Array, tangent: Array) -> Point:
         """The saddle near a guess. Errors: optimise.NoPath where that is none between two shapes of this molecule."""
         one = optimise.saddle(self.surface, guess, tangent)
-        count = int((optimise.wave_numbers(one.hessian, one.x, self.surface.masses) < 0).sum())
+        modes = optimise.wave_numbers(one.hessian, one.x, self.surface.masses)
+        count = int((modes[:1] < 0).sum() + (modes[1:] < -optimise.LEVEL).sum())
         if count != 1:
             raise optimise.NoPath(f"{count} imaginary frequencies")
         if not self.intact(one.x):
             raise optimise.NoPath("bonds change")
         return one
 
-    def ends(self, saddle: Point, a: Array, b: Array | None = None) -> Ends:
-        """The Ends of a saddle, of which the near one is like shape a, and the far one like b, where that is given."""
+    def ends(self, saddle: Point, a: Array, b: Array | None = None, renumber: bool = False) -> Ends:
+        """The Ends of a saddle, of which the near one is like shape a, and the far one like b, where that is given. renumber:
+        methyl groups and the like, so that they stand as in a."""
         masses = self.surface.masses
         _, vectors = optimise.projected(saddle.hessian, saddle.x, masses)
         mode = (vectors[:, 0] / np.repeat(np.sqrt(masses), 3)).reshape(-1, 3)
@@ -200,10 +202,26 @@ class Search:
             passed = [saddle.x, saddle.x + sign * mode / np.linalg.norm(mode)]
             one = optimise.minimum(self.surface, passed[1], saddle.hessian, longest=AWAY, passed=passed)
             sides.append((one, passed))
-        out = min((Ends(saddle, near, far, up[::-1], down) for (near, up), (far, down) in (sides, sides[::-1])),
+        both = [Ends(saddle, near, far, up[::-1], down) for (near, up), (far, down) in (sides, sides[::-1])]
+        out = min([self.numbered_as(a, ends) for ends in both] if renumber else both,
                   key=lambda ends: self.apart(ends.near.x, a) + (0 if b is None else self.apart(ends.far.x, b)))
         out.far.x = geometry.aligned(out.far.x, self.x, masses)
         return out
+
+    def numbered_as(self, x: Array, ends: Ends) -> Ends:
+        """The same Ends, but the three equal atoms of each methyl group or the like are numbered on, so that the near side is
+        nearest to a shape: where an atom becomes a pyramid to its other side, its methyl groups turn by a third."""
+        order = np.arange(len(x))
+        for group in rotors.threes(self.molecule):
+            turns = []
+            for turn in range(3):
+                turns.append(order.copy())
+                turns[-1][group] = np.roll(order[group], turn)
+            order = min(turns, key=lambda one: self.apart(ends.near.x[one], x))
+        flat = (3 * order[:, None] + np.arange(3)).ravel()
+        saddle, near, far = (replace(p, x=p.x[order], hessian=p.hessian[np.ix_(flat, flat)])
+                             for p in (ends.saddle, ends.near, ends.far))
+        return Ends(saddle, near, far, *([y[order] for y in way] for way in (ends.up, ends.down)))
 
     def to_barrier(self, job: str) -> Path:
         """The Path to the first barrier of a torsion; where its `why` says that it is none, without nodes between."""
