@@ -3,6 +3,7 @@
 source "$(dirname "$0")/../../lib.sh"
 needs mmdebstrap mmdebstrap
 [[ $(id -u) == 0 ]] || skip "chroot needs root"
+unset CMAKE_C_COMPILER_LAUNCHER CMAKE_CXX_COMPILER_LAUNCHER  # of this machine: the roots have none
 package=$HAPGRID_SOURCE/tools/package
 python3 - "$package/Dockerfile" <<'PYTHON'
 import re
