@@ -51,6 +51,7 @@ def named(smiles):
     return found
 
 
+assert [rotors.pdb_name(*one) for one in (("H", 8), ("C", 99), ("Cl", 98), ("Cl", 99))] == ["H9", "C100", "Cl99", "Cl00"]
 cystine = named("CC(=O)N[C@@H](CSSC[C@@H](C(=O)NC)NC(C)=O)C(=O)NC")
 assert {name for name in cystine if name.startswith("chi")} == {"chi1_1", "chi1_2", "chi2_1", "chi2_2"}, cystine
 assert cystine["chi2_2"] == "S7-S8-C9-C10" and "C6-S7-S8-C9" in cystine, cystine

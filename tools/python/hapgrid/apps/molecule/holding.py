@@ -23,7 +23,7 @@ from rdkit import Chem
 from scipy.interpolate import CubicSpline
 
 from . import geometry, rotors
-from .elements import MASSES
+from .elements import MASSES, SYMBOLS
 from .molecule import Molecule, listed
 from .results import Path, Result
 from .torsions import Torsion
@@ -71,6 +71,7 @@ def named(molecule: Molecule, text: str) -> tuple[int, ...]:
     Errors: UsageError, where there is no such atom."""
     names = {rotors.label(molecule.numbers, a): a for a in range(len(molecule.numbers))}
     names.update({str(a + 1): a for a in names.values()})
+    names.update({rotors.pdb_name(SYMBOLS[z], a): a for a, z in enumerate(molecule.numbers)})  # as in played.pdb
     words = [word.strip() for word in text.split(",")]
     if all(word in names for word in words):
         return tuple(sorted({names[word] for word in words}))

@@ -15,7 +15,7 @@ from hapgrid.apps.common.arrays import Neighbours
 from hapgrid.apps.common.work import Work
 from rdkit import Chem
 
-from . import files, geometry, path_selection
+from . import files, geometry, path_selection, rotors
 from .definition import paths_of
 from .elements import COLOURS, SYMBOLS
 from .molecule import placed, signed
@@ -62,10 +62,11 @@ def write(start: Start, turned: Sequence[Torsion], ways: Sequence[str]) -> list[
 def pdb(rd: Chem.Mol, first: Frame) -> str:
     """The text of a PDB file with the names and bonds of the atoms, where they are in a frame. rd: RDKit's molecule."""
     rd = Chem.Mol(placed(rd, first.x))
-    for number, atom in enumerate(rd.GetAtoms(), 1):
-        symbol = atom.GetSymbol()
-        name = f"{symbol}{number}" if len(symbol) == 2 else f" {symbol}{number}"
-        atom.SetMonomerInfo(Chem.AtomPDBResidueInfo(f"{name:4}"[-4:], residueName="UNL", residueNumber=1, isHeteroAtom=True))
+    for atom in rd.GetAtoms():
+        name = rotors.pdb_name(atom.GetSymbol(), atom.GetIdx())
+        if len(atom.GetSymbol()) == 1 and len(name) < 4:
+            name = " " + name  # the element ends in the second column
+        atom.SetMonomerInfo(Chem.AtomPDBResidueInfo(f"{name:4}", residueName="UNL", residueNumber=1, isHeteroAtom=True))
     return Chem.MolToPDBBlock(rd, flavor=ALL_BONDS)
 
 

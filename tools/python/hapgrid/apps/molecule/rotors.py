@@ -29,6 +29,11 @@ def label(numbers: Sequence[int], atom: int) -> str:
     return f"{SYMBOLS[numbers[atom]]}{atom + 1}"
 
 
+def pdb_name(symbol: str, atom: int) -> str:
+    """The same in the four columns of a PDB file, where Cl100 is Cl00."""
+    return symbol + str(atom + 1)[len(symbol) - 4:]
+
+
 def _named(molecule: Molecule, atoms: Sequence[int]) -> str:
     return "-".join(label(molecule.numbers, a) for a in atoms)
 
