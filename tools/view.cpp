@@ -5,10 +5,12 @@
 
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "libcore/base/error.hpp"
@@ -144,6 +146,17 @@ int run_grid(const Options& options, RenderOptions how) {
   return kExitDone;
 }
 
+/// Where the HIP and its force are in a recorded file, which the camera shows.
+void fit_to_file(const std::string& name, RenderOptions& how) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(name, error)) return;
+  try {
+    SceneReader reader(name);
+    for (Frame frame; reader.next(frame);) add_to_way(reader.scene(), frame, how);
+  } catch (const Error&) {  // what is wrong is said when it is to be shown
+  }
+}
+
 int run(const Options& options) {
   if (options.frames.ends_with(".session"))
     throw Error(options.frames +
@@ -156,6 +169,7 @@ int run(const Options& options) {
   if (is_grid(options.frames)) return run_grid(options, how);
   if (!options.model_path.empty())
     throw UsageError("--model-path is for a grid: frames need no model");
+  if (options.web || !options.terminal.empty()) fit_to_file(options.frames, how);
   if (options.web) {
     run_web(options.frames, {how, options.address, std::max(options.port, 0)});
     return kExitDone;

@@ -98,10 +98,10 @@ same "paths" 3 "$(grep -cP '\tsaddle\t' amine/report.tsv)"
 # Again: nothing is computed. A definition that was changed by hand is kept, and its grid computed.
 salt=(hapgrid molecule --push salt.sdf -o salt --method gfnff --spacing 1.2)
 before=$(stat -c '%n %Y' salt/* | md5sum)
-expect 0 "~${play//|/\\|}" '' -- "${salt[@]}" --quiet
+expect 0 'hapgrid feel salt/salt.grid' '' -- "${salt[@]}" --quiet
 same "files" "$before" "$(stat -c '%n %Y' salt/* | md5sum)"
 sed -i 's/^penalty = 100 /penalty = 60 /' salt/salt.toml
-expect 0 "~hapgrid play .*" '~.*salt\.toml was changed by hand: it is kept.*' -- "${salt[@]}"
+expect 0 "~hapgrid feel .*" '~.*salt\.toml was changed by hand: it is kept.*' -- "${salt[@]}"
 same "penalty" 60.0 "$(stats salt/salt.grid --get parameters.penalty)"
 
 # Of several records, too, the largest is felt, here the second, which has no torsion: 6 numbers. Its grid is one of folder.sh.
@@ -151,7 +151,7 @@ expect 0 '' '~.*stopped after the structures: the same command without --until g
 [[ ! -e oneway/oneway.toml ]] || fail "not stopped after the structures"
 expect 0 '' '~.*stopped after the definition: .*' -- "${oneway[@]}" --until definition
 [[ -s oneway/oneway.toml && ! -e oneway/oneway.grid ]] || fail "not stopped after the definition"
-expect 0 '~hapgrid play .*' '' -- "${oneway[@]}" --quiet
+expect 0 '~hapgrid feel .*' '' -- "${oneway[@]}" --quiet
 same "paths" H3-O1-O2-H4-minus "$(awk -F'\t' '$2 == "saddle" { print $1 }' oneway/report.tsv)"
 
 # A box that is too small is widened until nothing is held at its sides. Here it begins inside of the molecule.

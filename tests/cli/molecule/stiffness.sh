@@ -15,12 +15,12 @@ exit 3
 END
 chmod +x filters/verify
 methanol=(molecule --push --smiles CO --method gfnff --spacing 1.5 -o methanol)
-HAPGRID_BIN=$PWD/filters expect 0 '~hapgrid play .*' '~.*breaks a rule: .*: anchors half as stiff are tried.*' -- "${methanol[@]}"
+HAPGRID_BIN=$PWD/filters expect 0 '~hapgrid feel .*' '~.*breaks a rule: .*: anchors half as stiff are tried.*' -- "${methanol[@]}"
 number() { sed -n "s/^$2_stiffness = \([0-9.]*\) .*/\1/p" "$1"; }
 same "shift" '50 25' "$(number first.toml shift) $(number methanol/methanol.toml shift)"
 same "least rotation" '100 100' "$(number first.toml rotation) $(number methanol/methanol.toml rotation)"
 # Again, it is known.
-HAPGRID_BIN=$PWD/filters expect 0 '~hapgrid play .*' '' -- "${methanol[@]}" --quiet
+HAPGRID_BIN=$PWD/filters expect 0 '~hapgrid feel .*' '' -- "${methanol[@]}" --quiet
 same "shift" 25 "$(number methanol/methanol.toml shift)"
 
 # twisted counts the same records as the dump has: i j k level, t, shift ...
@@ -42,7 +42,7 @@ echo 'expand: anything' >&2
 exit 1
 END
 chmod +x filters/expand
-HAPGRID_BIN=$PWD/filters expect 0 '~NOTHING TURNS in this grid; .*hapgrid play .*path-past\.txt.*' \
+HAPGRID_BIN=$PWD/filters expect 0 '~NOTHING TURNS in this grid; .*hapgrid feel .*' \
   '~.*H3-C1-O2-H6 is left out: with it the molecule does not come to rest.*' -- \
   "${methanol[@]::${#methanol[@]}-1}" rigid
 

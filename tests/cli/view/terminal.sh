@@ -12,11 +12,17 @@ play grid --device path:path --config bare.toml --frames x.frames 2>/dev/null
 messages() { capnp decode --short "$frames" Message <x.frames | sed -n "$1" | capnp encode "$frames" Message; }
 messages '1p;5p' >one
 messages '1p;6p' >two
+# picture FILE PNG OPTIONS...: its frame by a camera that shows the whole box, as that of a live play: the HIP is in two
+# corners later.
+{ printf -- '-9 -9 -9\n%.0s' {1..500}; printf '9 9 9\n%.0s' {1..500}; } >corners
+play grid --device path:corners --frames corners.frames 2>/dev/null
+capnp decode --short "$frames" Message <corners.frames | sed -n '12p;$p' | capnp encode "$frames" Message >corners
+picture() { cat "$1" corners >"$1.boxed"; view "$1.boxed" --at 0 --png "${@:2}"; }
 time_s=$(capnp decode --short "$frames" Message <two | sed -nE 's/.*time = ([0-9.]+),.*/\1/p')
 # A radius that a few cells show.
 how="--hip-radius 0.15"
 # shellcheck disable=SC2086
-view one --png one.png --size 640x368 $how
+picture one one.png --size 640x368 $how
 
 see='(see view --help)'
 refuses 'view: --terminal: standard output is not a terminal; --png draws a frame into a file' -- \
@@ -66,7 +72,7 @@ for size in 60x18 131x48 61x18 67x23 79x24 83x31 97x40 113x47; do
   columns=${size%x*} rows=$((${size#*x} - 1))
   on resize-window -x "$columns" -y "${size#*x}"
   # shellcheck disable=SC2086
-  view two --png two.png --size $((8 * columns))x$((16 * rows)) $how
+  picture two two.png --size $((8 * columns))x$((16 * rows)) $how
   wait_for 60 "picture of $size" shows two.png "$columns" "$rows"
 done
 on resize-window -x 80 -y 24
@@ -128,10 +134,10 @@ usual
 
 # Sixels, forced: what is sent is decoded.
 needs script bsdutils
-shown() { script -qec "stty cols 80 rows 22; view one --terminal=$1 $how" /dev/null </dev/null >out; }
+shown() { script -qec "stty cols 80 rows 22; view one.boxed --terminal=$1 $how" /dev/null </dev/null >out; }
 shown sixel
 # shellcheck disable=SC2086
-view one --png low.png --size 640x336 $how
+view one.boxed --png low.png --size 640x336 $how
 python3 "$here/terminal.py" sixel out low.png
 # xterm leaves sixels that are wider than 1,000 pixels blank.
 script -qec "stty cols 260 rows 70; view one --terminal=sixel $how" /dev/null </dev/null >wide
