@@ -44,12 +44,35 @@ function playTicks(most, next) {
 }
 
 /// The hand a little along the force: at most a fiftieth of the box in each picture.
-function followForce(frame) {
+function followForce(frame, least = 0.005) {
   const step = Math.max(...plus(data.high, data.low, -1)) / 50, part = Math.min(1, 4 * frame.size / data.full_force);
-  lettingGo = frame.size > 0.005 * data.full_force;
+  lettingGo = frame.size > least * data.full_force;
   if (!lettingGo) return;
   hand = plus(frame.hip, frame.force, step * part / frame.size).map((x, a) => clamp(x, data.low[a], data.high[a]));
   player.idle = 0;
+}
+
+/// Begins to play the packed grid.
+function beginAt(grid) {
+  hand = [...data.own.start];
+  const room = player.room_for(grid.length);  // which can move the memory
+  new Uint8Array(player.memory.buffer).set(grid, room);
+  player.begin(...hand);
+  player.kept = 0;
+}
+
+/// Begins where no force acts, which can be between the grid's points: an atom that is held has one such place.
+function beginAtRest(grid) {
+  beginAt(grid);
+  for (let ticks = 0; ticks < kTicksASecond; ticks += kLongestPause) playTicks(kLongestPause, false);  // to the force's full size
+  for (let steps = 0; steps < 400; ++steps) {
+    followForce(decode(playedFrame()), 0.001);
+    if (!lettingGo) break;
+    playTicks(20, false);
+  }
+  lettingGo = false;
+  data.own.start = [...hand];
+  beginAt(grid);
 }
 
 let restored = null;
@@ -157,12 +180,9 @@ async function startPlayer() {
   const { instance } = await WebAssembly.instantiate(code);
   player = { ...instance.exports, due: 1, last: null, idle: 0, wants_next: false, nexts: [], path: new Float64Array(3 * kPathTicks), kept: 0 };
   player._initialize();
-  const room = player.room_for(grid.length);  // which can move the memory
-  new Uint8Array(player.memory.buffer).set(grid, room);
-  player.begin(...data.own.start);
+  beginAtRest(grid);
   say("");
   build();
-  hand = [...data.own.start];
   playTicks(1, false);
   take(decode(playedFrame()));
   lookAlongBond();
