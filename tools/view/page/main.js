@@ -32,7 +32,7 @@ function decode(frame) {
 }
 
 function build() {
-  document.title = data.model + " - hapgrid";
+  document.title = (data.own?.grid ?? data.model) + " - hapgrid";
   sticks = data.sticks || data.own?.torsions.length > 0;  // between which a bond is seen to turn
   element("sticks").className = sticks ? "on" : "";
   element("sticks").hidden = !data.names.some((name) => name);
