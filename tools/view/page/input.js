@@ -60,7 +60,7 @@ function showHelp() {
        "shift + drag: move the picture. t: a drag turns it.",
        "The ring is the hand. The ball follows it; where the model resists, the thread grows, and where the model snaps, it shrinks. Where no force acts it is dashed."]
     : ["drag, one finger, arrow keys: turn. Right drag, two fingers: move. Wheel, pinch: zoom."];
-  if (hand) lines.push("let go (l): the ball moves to where next to no force acts.   next (n): another state of the model at this place, if the grid has one.",
+  if (hand) lines.push("let go (l): the hand follows the force until there is none.   next (n): another state of the model at this place, if the grid has one.",
     "sound: a click at each snap.   The bar at the right is the force, up to the limit that is sent to a device.   path: saves where the ball went, so that play --device path: repeats it.");
   lines.push("pause, play (space): stop, go on.   sticks (b).   fit (r): the first view.   save (s): the picture.   ? (h): this help, and its end.");
   if (data.keys) lines.push("In the terminal of play: " + data.keys);

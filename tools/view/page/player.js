@@ -92,6 +92,7 @@ function playOn(now) {
     if (lettingGo) followForce(frames.at(-1));
     playTicks(ticks, player.wants_next);
     take(decode(playedFrame()));
+    sayBarriers(frames.at(-1));
     if (player.wants_next && !frames.at(-1).snapped) sayAWhile("The grid has no other state at this place.");
     player.wants_next = false;
   }
@@ -129,15 +130,15 @@ function colourName(rgb) {
   return ["red", "orange", "yellow", "green", "blue", "purple"][[15, 45, 72, 165, 260, 320].findIndex((end) => hue >= -40 && hue < end)] ?? "red";
 }
 
-/// The sphere that the hand holds at the start, or -1.
-function heldSphere() {
-  const near = (one, k) => distance(sphere(frames[0], k), data.own.start) < 0.2 * (one[0] + data.hip_radius);
-  return frames[0].bonds.length === 0 ? -1 : data.spheres.findIndex(near);
+let held = -1;  // the sphere that the hand holds at the start, if any
+function findHeld(frame) {
+  const near = (one, k) => distance(sphere(frame, k), data.own.start) < 0.2 * (one[0] + data.hip_radius);
+  held = frame.bonds.length === 0 ? -1 : data.spheres.findIndex(near);
 }
 
 /// Where the hand leads an atom around one bond, the first view is along this bond: the atom goes round in the picture.
 function lookAlongBond() {
-  const held = heldSphere(), [bond] = data.own.torsions;
+  const [bond] = data.own.torsions;
   if (held < 0 || data.own.torsions.length !== 1) return;
   const [far, near] = bond.slice(0, 2).map((k) => sphere(frames[0], k)).sort((a, b) => distance(b, data.own.start) - distance(a, data.own.start));
   const unit = (v) => v.map((x) => x / (Math.hypot(...v) || 1)), along = unit(plus(near, far, -1));
@@ -159,10 +160,10 @@ function lookAlongBond() {
 /// What somebody who has this file and no other word should do, from what is in the scene.
 function goal() {
   const { own, spheres } = data, largest = spheres.map((one, k) => [one[0], k]).sort((a, b) => b[0] - a[0]);
-  const held = heldSphere(), end = own.snaps ? "it snaps" : "it yields";
+  const end = own.snaps ? "it snaps" : "it yields";
   if (held >= 0) {
     const name = data.names[held] || "an atom";
-    return own.torsions.length ? `Drag the pink ring: it holds ${name}. Lead ${name} round the bond until this turns over, then press "let go".`
+    return own.torsions.length ? `Drag the pink ring: it holds ${name}. Lead ${name} round the bond, over a hump of the curve, then press "let go".`
       : `Drag the pink ring: it holds ${name}. Lead it on until ${end}, then press "let go".`;
   }
   if (own.torsions.length) return `Drag the pink ball against the molecule until a bond ${own.snaps ? "turns over" : "yields"}.`;
@@ -185,6 +186,7 @@ async function startPlayer() {
   build();
   playTicks(1, false);
   take(decode(playedFrame()));
+  findHeld(frames[0]);
   lookAlongBond();
   fit();
   takeHand(hand);

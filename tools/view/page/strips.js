@@ -4,21 +4,45 @@
 
 const kStrip = { width: 190, height: 64 };
 
-/// How high the barriers on both sides of an angle are: of what the grid has there, the highest before it goes down.
-function barriersBeside(profile, angle) {
-  const known = profile.filter((v) => v !== null), least = 0.1 * (Math.max(...known) - Math.min(...known));
-  const here = Math.floor((angle + 180) / 360 * profile.length);
-  const climb = (way) => {
-    let top = -Infinity, at = 0;
-    for (let i = 0; i < profile.length; ++i) {
-      const v = profile.at((here + way * i) % profile.length);
-      if (v === null) continue;
-      if (v > top) [top, at] = [v, i];
-      else if (at > 0 && top - v > least) break;
-    }
-    return [top, at];
-  };
-  return [climb(-1)[0], climb(1)[0]];
+/// From an angle on, to one side (-1, 1): the highest energy (sign 1) or the lowest (-1) before it goes back by a tenth of the
+/// profile's span; to the highest the way can first lead down. [energy, bin]
+function extreme(profile, angle, way, sign) {
+  const known = profile.filter((v) => v !== null), least = 0.1 * (Math.max(...known) - Math.min(...known)), n = profile.length;
+  const here = Math.floor((angle + 180) / 360 * n);
+  let [top, at] = [-Infinity, 0];  // times the sign
+  for (let i = 0; i < n; ++i) {
+    const v = profile.at((here + way * i) % n);
+    if (v === null) continue;
+    if (sign * v > top) [top, at] = [sign * v, i];
+    else if ((at > 0 || sign < 0) && top - sign * v > least) break;
+  }
+  return [sign * top, (here + way * at + n) % n];
+}
+
+/// How high the barriers on both sides of an angle are.
+const barriersBeside = (profile, angle) => [-1, 1].map((way) => extreme(profile, angle, way, 1)[0]);
+
+/// The lowest energy of the valley that an angle is in, and its bin.
+function valleyOf(profile, angle) {
+  const [left, right] = [-1, 1].map((way) => extreme(profile, angle, way, -1));
+  return left[0] < right[0] ? left : right;
+}
+
+const valleys = [];  // that each torsion was in last
+
+/// Says so when a torsion has come down from a barrier into another valley.
+function sayBarriers({ angles, own }) {
+  data.own.torsions.forEach(([, , name, profile], k) => {
+    const known = profile.filter((v) => v !== null), n = profile.length;
+    if (known.length < 2 || !Number.isFinite(own) || !Number.isFinite(angles[k])) return;
+    const low = Math.min(...known), [lowest, valley] = valleyOf(profile, angles[k]), before = valleys[k];
+    if (own > lowest + 0.15 * (Math.max(...known) - low)) return;  // not down yet
+    valleys[k] = valley;
+    if (before === undefined || before === valley) return;
+    const steps = (valley - before + n) % n, way = steps <= n / 2 ? 1 : -1;
+    const climbed = Math.max(...Array.from({ length: Math.min(steps, n - steps) }, (_, i) => profile.at((before + way * i) % n) ?? -Infinity)) - low;
+    sayAWhile(`${name} is over a barrier of ${climbed.toFixed(climbed < 100 ? 1 : 0)} ${data.own.energy_unit}. Go on, or press "let go" for the shape behind it.`);
+  });
 }
 
 function drawStrip(c, [left, top], number, [, , name, profile], angle, own) {
