@@ -45,7 +45,7 @@ molecule=(hapgrid molecule)
 if "${molecule[@]}" --help >/dev/null 2>&1 && /usr/bin/python3 -c 'import ctypes
 ctypes.CDLL("libxtb.so.6")' 2>/dev/null; then
   "${molecule[@]}" --smiles C#N -o cyanide --method gfnff --spacing 1.2 --quiet >line 2>said || fail "$(cat said)"
-  grep -q '^NOTHING TURNS ' line && grep -q '^hapgrid play cyanide/cyanide\.grid ' line || fail "$(cat line)"
+  grep -q '^NOTHING TURNS ' line && grep -q '^hapgrid feel cyanide/cyanide\.grid$' line || fail "$(cat line)"
   expect 0 '~.*' '~verify: fine: .*' -- hapgrid verify cyanide/cyanide.grid --recompute 20
   for file in index.html played.html cyanide.toml; do [[ -s cyanide/$file ]] || fail "no $file"; done
 else

@@ -75,7 +75,7 @@ for name in ("loop.svg", "force.svg", "three.svg", "session.svg", "energies.svg"
 
 # A slice: its numbers are counted by the dump; the shares of the colours are those of the points.
 plane = next(text for text in texts("levels.svg") if "levels at y" in text)
-j = round((float(plane.split()[-3]) + 0.475) / 0.1)
+j = round((float(re.search("y = ([−0-9.]+)", plane)[1].replace("−", "-")) + 0.475) / 0.1)
 here = {}
 for line in subprocess.run([sys.executable, os.environ["HAPGRID_SOURCE"] + "/tests/cli/dump.py", "grid"], capture_output=True, text=True, check=True).stdout.splitlines()[1:]:
     at = line.split("\t")[:3]
