@@ -120,7 +120,7 @@ TEST_CASE("between sticks, the whole sphere that touches the HIP is seen while t
   stage.scene.box = {{-1, -1, -1}, 1, {3, 3, 3}};
   stage.frame.position = {0, 0, 0};
   stage.options = {.width = 300, .height = 300, .hip_radius = 0.1, .box = false, .sticks = true};
-  stage.camera = {0, 0, {0, 0, 0}, 1.5};  // 100 pixels a unit
+  stage.camera = {0, 0, {0, 0, 0}, 1.5};    // 100 pixels a unit
   stage.add(0.5F, 0, 0, 0.4F, {0, 1, 0});   // touches
   stage.add(-0.8F, 0, 0, 0.4F, {0, 1, 0});  // does not
   const auto rim = [&](int x) { return stage.render().at(x, 150); };
