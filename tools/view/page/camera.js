@@ -34,7 +34,7 @@ function setSize(canvas, width, height, dots = window.devicePixelRatio) {
 function pixel() {
   const [width, height] = pictureSize(), scale = letterScale(), [right, up, spheres] = data.extent;
   const bare = Math.max(width - (hasForceBar() ? 80 * scale : 0), 40);
-  const open = Math.max(height - (data.own ? 76 * scale : 0), 40);  // between the sentence above and the scale below
+  const open = Math.max(height - (data.own ? Math.min(76 * scale, height / 5) : 0), 40);  // between the sentence above and the scale below
   const names = data.own ? 0 : Math.min(scale * data.legend.names_width, data.legend.names_part * bare);
   return 2 * Math.max(right / bare, up / open, spheres / (bare - 2 * names)) / view.zoom;
 }

@@ -79,7 +79,7 @@ function drawPlot(c, { left, right, top, bottom }, list, at, lines, least) {
   c.fillRect(left, top, right - left, bottom - top);
   c.fillStyle = data.ink;
   c.textAlign = "right";
-  const marks = ticks(low, high, 3);
+  const marks = ticks(low, high, clamp(Math.floor((bottom - top) / 14), 1, 3));
   for (const [v, text] of marks) {
     strokeLines(c, [[[left - 4, y(v)], [left, y(v)]]], data.ink, 1);
     c.fillText(tickText(v, text, marks.length > 1 ? marks[1][0] - marks[0][0] : high - low), left - 6, y(v));
