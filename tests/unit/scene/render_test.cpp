@@ -115,23 +115,6 @@ TEST_CASE("HIP, force and box are there, and can be left out") {
   for (const Rgb& p : stage.render().pixels) REQUIRE(p == kWhite);
 }
 
-TEST_CASE("between sticks, the whole sphere that touches the HIP is seen while there is a force") {
-  Stage stage;
-  stage.scene.box = {{-1, -1, -1}, 1, {3, 3, 3}};
-  stage.frame.position = {0, 0, 0};
-  stage.options = {.width = 300, .height = 300, .hip_radius = 0.1, .box = false, .sticks = true};
-  stage.camera = {0, 0, {0, 0, 0}, 1.5};    // 100 pixels a unit
-  stage.add(0.5F, 0, 0, 0.4F, {0, 1, 0});   // touches
-  stage.add(-0.8F, 0, 0, 0.4F, {0, 1, 0});  // does not
-  const auto rim = [&](int x) { return stage.render().at(x, 150); };
-  CHECK(rim(150 + 85) == kWhite);
-  stage.frame.force = {-1, 0, 0};
-  // It is green, and 0.7 of the white behind it shines through.
-  CHECK(rim(150 + 85)[1] > rim(150 + 85)[0] + 10);
-  CHECK(std::abs(rim(150 + 85)[0] - 0.7 * 255) < 3);
-  CHECK(rim(150 - 115) == kWhite);
-}
-
 TEST_CASE("the legend says where the axes point and how long things are, in front of all") {
   Stage stage;
   stage.scene.box = {{-1, -1, -1}, 1, {3, 3, 3}};
