@@ -2,9 +2,11 @@
 
 mutants.py filters|apps SEED COUNT    prints a line for each kind and command. A finding is kept in HAPGRID_BUILD/mutants.
 
-A mutant depends on SEED, its kind and its number alone. The programs in Python read in this process, or behind their walls: only
-the first would take long to start."""
+A mutant depends on SEED, its kind and its number alone. The programs in Python read in this process, or behind their walls: to
+start them would take long."""
 import glob
+import itertools
+import json
 import os
 import random
 import re
@@ -127,36 +129,80 @@ def children():
     return used.ru_utime + used.ru_stime
 
 
-def reads(kind, file, made, read, refusals):
-    """Each mutant, as a file of that name, is read in this process."""
+def verdict(file, data, read, refusals):
+    """(whether this mutant was refused, what is wrong)"""
     def late(*_):
         raise TimeoutError
     signal.signal(signal.SIGALRM, late)
-    begun, refused, number = time.process_time() + children(), 0, 0
-    for n, data in enumerate(made):
-        number = n + 1
-        with open(file, "wb") as out:
-            out.write(data)
-        before, why = time.process_time() + children(), ""
-        signal.alarm(PATIENCE)
+    with open(file, "wb") as out:
+        out.write(data)
+    before, refused, why = time.process_time() + children(), False, ""
+    signal.alarm(PATIENCE)
+    try:
+        with warnings.catch_warnings(record=True) as warned:  # a line more
+            warnings.simplefilter("always", RuntimeWarning)
+            read(file)
+    except refusals as refusal:
+        refused = True
+        text = str(refusal)  # which is shown by its ends where it is long
+        why = f"says {text[:300]!r}" if "\n" in text or "not understood: " in text and "Error" in text else ""
+    except BaseException as wrong:  # whatever it is, it is a traceback
+        why = f"{type(wrong).__name__}: {wrong}"
+    finally:
+        signal.alarm(0)
+    why = why or (f"warns: {warned[0].message}" if warned else "")
+    used = time.process_time() + children() - before
+    most = max(resource.getrusage(who).ru_maxrss for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return refused, why or (f"{used:.2f} s" if used > SECONDS else f"{most >> 10} MB" if most << 10 > BYTES else "")
+
+
+def read_together(file, batch, read, refusals):
+    """The verdict() of each mutant of a batch, in one process behind no walls, until one of them ends it or takes for ever."""
+    from hapgrid.apps.common import sandbox
+
+    def run(function, what, *_):
         try:
-            with warnings.catch_warnings(record=True) as warned:  # a line more
-                warnings.simplefilter("always", RuntimeWarning)
-                read(file)
-        except refusals as refusal:
-            refused += 1
-            text = str(refusal)  # which is shown by its ends where it is long
-            why = f"says {text[:300]!r}" if "\n" in text or "not understood: " in text and "Error" in text else ""
-        except BaseException as wrong:  # whatever it is, it is a traceback
-            why = f"{type(wrong).__name__}: {wrong}"
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # nobody sees what is said behind the walls
+                return function()
+        except sandbox.Failed:
+            raise
+        except (Exception, RecursionError) as why:
+            raise sandbox.Failed(f"{what}: not understood: {why}".split("\n", 1)[0]) from None
+    ours, its = os.pipe()
+    pid = os.fork()
+    if pid == 0:
+        try:
+            sandbox.run = run
+            resource.setrlimit(resource.RLIMIT_AS, (sandbox.MEMORY, sandbox.MEMORY))
+            for data in batch:
+                os.write(its, json.dumps(verdict(file, data, read, refusals)).encode() + b"\n")
         finally:
-            signal.alarm(0)
-        why = why or (f"warns: {warned[0].message}" if warned else "")
-        used = time.process_time() + children() - before
-        most = max(resource.getrusage(who).ru_maxrss for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
-        why = why or (f"{used:.2f} s" if used > SECONDS else f"{most >> 10} MB" if most << 10 > BYTES else "")
-        if why:
-            fails(kind, "reading", n, data, why)
+            os._exit(0)
+    os.close(its)
+    said = b""
+    while select.select([ours], [], [], 2 * PATIENCE)[0] and (more := os.read(ours, 1 << 16)):
+        said += more
+    os.close(ours)
+    os.kill(pid, signal.SIGKILL)
+    os.waitpid(pid, 0)
+    return [json.loads(line) for line in said.split(b"\n")[:-1]]
+
+
+def reads(kind, file, made, read, refusals):
+    """Each mutant, as a file of that name, is read by Python. To start a process behind its walls takes ten times longer than to
+    read: only each twentieth mutant has one of its own, and each that ends the process of the others."""
+    begun, refused, number = time.process_time() + children(), 0, 0
+    while batch := list(itertools.islice(made, 20)):
+        verdicts = []
+        while len(verdicts) < len(batch):
+            verdicts.append(verdict(file, batch[len(verdicts)], read, refusals))
+            verdicts += read_together(file, batch[len(verdicts):], read, refusals)
+        for n, (no, why) in enumerate(verdicts):
+            refused += no
+            if why:
+                fails(kind, "reading", number + n, batch[n], why)
+        number += len(batch)
     print(f"{kind}: {number} mutants, {refused} refused, {time.process_time() + children() - begun:.0f} s", flush=True)
 
 
@@ -208,8 +254,9 @@ def all_apps():
     def docked(path):
         maps.reach(maps.pdbqt(work, path, "ligand", maps.MOST_LIGAND), work.read("ligand.pdbqt"), True)
     for kind in "pdbqt", "pqr", "mol2":
-        if kind != "mol2" or shutil.which("obabel"):  # a process of its own each time
-            reads(f"dock: {kind}", f"m.{kind}", mutants(kind, texts(f"good.{kind}"), count), docked, Failed)
+        if kind != "mol2" or shutil.which("obabel"):  # which is a process of its own each time, of 40 ms
+            number = count // 4 if kind == "mol2" else count
+            reads(f"dock: {kind}", f"m.{kind}", mutants(kind, texts(f"good.{kind}"), number), docked, Failed)
     try:
         from hapgrid.apps.molecule import reading
     except ImportError as why:

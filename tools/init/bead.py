@@ -48,7 +48,7 @@ class Bead:
 
     def convert(self, s, x, d):
         """C(s, x, d): the HIP walks from x to x + d in steps that are short against the reach of the spring."""
-        place, steps = s[0], math.ceil(math.hypot(*d) / (self.reach / 32))
+        place, steps = s[0], math.ceil(math.hypot(*d) / (self.reach / 16))
         for step in range(1, steps + 1):
             hip = [a + step / steps * b for a, b in zip(x, d)]
             place = self.settle(place, hip)
