@@ -38,16 +38,22 @@ constexpr double kFiner = 0.7;              // the stride of the next box, for t
 constexpr double kUnknownFactor = 3;
 constexpr double kRuleOfThree = 3;
 
-/// A thread that sets `stop` after a time, unless it is destroyed before.
-std::jthread set_alarm(std::atomic<int>& stop, Clock::time_point when) {
-  return std::jthread([&stop, when](const std::stop_token& cancelled) {
-    std::mutex mutex;
-    std::condition_variable_any wake;
-    std::unique_lock lock(mutex);
-    wake.wait_until(lock, cancelled, when, [] { return false; });
-    if (!cancelled.stop_requested()) stop = 1;
-  });
-}
+/// Sets `stop` at a time, unless it is destroyed before. All that needs memory is made by who makes
+/// it: the thread itself could tell nobody that there is none.
+class Alarm {
+ public:
+  Alarm(std::atomic<int>& stop, Clock::time_point when)
+      : thread_([this, &stop, when](const std::stop_token& cancelled) {
+          std::unique_lock lock(mutex_);
+          wake_.wait_until(lock, cancelled, when, [] { return false; });
+          if (!cancelled.stop_requested()) stop = 1;
+        }) {}
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable_any wake_;
+  std::jthread thread_;
+};
 
 /// The stride with kFewestPoints, or a shorter one whose steps the model can convert.
 std::uint32_t coarsest(const Box& box, double d_max) {
@@ -135,7 +141,7 @@ Found search(const Definition& definition, std::unique_ptr<Model>& model, Clock:
   Converter converter(std::move(model), spec, progress);
   Found found;
   try {
-    const std::jthread timer = set_alarm(stop, end);
+    const Alarm alarm(stop, end);
     complete(open_grid(name_of(seeds)), converter, progress, [&](const SectionHeader& header) {
       return SectionWriter(grid.get(), name_of(grid), header);
     });

@@ -1,9 +1,9 @@
 #include "tools/check-model/together.hpp"
 
-#include <array>
 #include <chrono>
+#include <functional>
+#include <future>
 #include <string_view>
-#include <thread>
 
 #include "libcore/base/format.hpp"
 #include "libcore/grid/describe.hpp"
@@ -88,13 +88,11 @@ Findings ask_together(Model& one, Model& other, std::span<const Made> made, doub
                       const Difference& difference,
                       const std::function<std::string(const Made&)>& text_of) {
   const auto end = in_seconds(seconds);
-  std::array<Told, 2> told;
-  {
-    const std::jthread thread([&] { told[1] = ask(other, made, end); });
-    told[0] = ask(one, made, end);
-  }
+  std::future<Told> others = std::async(std::launch::async, ask, std::ref(other), made, end);
+  const Told told = ask(one, made, end);
   Findings found;
-  for (const Told& t : told) compare(t, made, "together", difference, text_of, found);
+  for (const Told& t : {told, others.get()})
+    compare(t, made, "together", difference, text_of, found);
   return found;
 }
 

@@ -113,9 +113,9 @@ TOY_SEEDS, TOY_REQUESTS = map(read, ("toy.seeds", "toy.requests"))
 READERS = {
     "seeds": (SEEDS, ["expand BAD", "expand --complete BAD", "merge BAD requests", "stats BAD", "verify BAD"]),
     "requests": (REQUESTS, ["merge seeds BAD"]),
-    "next": (NEXT, ["merge BAD next.requests", "stats --npy - BAD"]),
+    "next": (NEXT, ["merge BAD next.requests", "stats BAD"]),
     "grid": (GRID, ["merge BAD", "expand BAD", "verify BAD", "stats BAD"]),
-    "small": (SMALL, ["merge --small BAD", "stats --npy - BAD"]),
+    "small": (SMALL, ["merge --small BAD", "stats BAD"]),
     "toy.seeds": (TOY_SEEDS, ["expand BAD", "merge toy.requests BAD"]),
     "toy.requests": (TOY_REQUESTS, ["merge toy.seeds BAD"]),
 }

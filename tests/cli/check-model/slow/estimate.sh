@@ -1,4 +1,5 @@
-# The time that check-model estimates is that of the search, within a factor of 3.
+# The time that check-model estimates is that of the search, within a factor of 3. Both are by the clock, which a busy
+# machine makes longer.
 source "$(dirname "$0")/../../lib.sh"
 sanitized && skip "sanitizers change what is compared"
 examples=$HAPGRID_SOURCE/examples
@@ -8,17 +9,17 @@ compare() {
   local name=$1
   shift
   check-model "$@" --format json -o "$name.json" 2>said || fail "$(cat said)"
-  seed "$@" | expand --complete --cost "$name.cost" -o "$name.grid"
+  seed "$@" | expand --complete -j 1 --cost "$name.cost" -o "$name.grid"
   python3 - "$name" "$(stats "$name.grid" --get average_levels)" <<'PYTHON' || fail "$name"
 import json
 import sys
 name, levels = sys.argv[1], float(sys.argv[2])
 told = json.load(open(name + ".json"))["grid"]
 costs = [json.loads(line) for line in open(name + ".cost")]
-spent = {key: sum(cost[key] for cost in costs) for key in ("conversions", "cpu_seconds")}
-print(f"{name}: told {told['cpu_seconds']:.3g} s, spent {spent['cpu_seconds']:.3g} s; levels {told['levels']:.3f}, {levels:.3f};"
+spent = {key: sum(cost[key] for cost in costs) for key in ("conversions", "wall_seconds")}
+print(f"{name}: told {told['cpu_seconds']:.3g} s, spent {spent['wall_seconds']:.3g} s; levels {told['levels']:.3f}, {levels:.3f};"
       f" conversions {told['conversions']} {spent['conversions']}")
-sys.exit(not 1 / 3 < told["cpu_seconds"] / spent["cpu_seconds"] < 3)
+sys.exit(not 1 / 3 < told["cpu_seconds"] / spent["wall_seconds"] < 3)
 PYTHON
 }
 # points DEFINITION N: options for a grid of N points a side in the same box.
