@@ -22,12 +22,13 @@ git -C "$HAPGRID_SOURCE" ls-files -z | tar -C "$HAPGRID_SOURCE" --null -T - -cf 
 cat >try.sh <<'TRY'
 set -euxo pipefail
 export LC_ALL=C.UTF-8
+unset HAPGRID_BIN HAPGRID_MODEL_PATH  # of the machine outside
 cd /root
 [[ ! -e /hapgrid.deb ]]
 hapgrid seed /usr/share/doc/hapgrid/examples/hung-ball/hung-ball.toml |
   hapgrid expand --complete -o grid
 hapgrid verify grid -o report
-hapgrid molecule --smiles C#N -o cyanide --method gfnff --spacing 1.2 --quiet | grep '^hapgrid play '
+hapgrid molecule --smiles C#N -o cyanide --method gfnff --spacing 1.2 --quiet | grep '^hapgrid feel '
 echo 'all is well'
 TRY
 
