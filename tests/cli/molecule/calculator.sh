@@ -12,10 +12,70 @@ rises() { cut -f 1-3 "$1/report.tsv" | sed '/^#/d'; }
 made gfn2
 hapgrid molecule --smiles CCO -o ours --until structures --quiet 2>said || fail "$(cat said)"
 paste <(rises ours) <(rises gfn2) | awk -F'\t' 'NR > 1 && ($1 != $4 || ($3 - $6)^2 > 1.1e-4) { exit 1 }' || fail "$(rises ours; rises gfn2)"
+# So are all nodes of the path. Where xtb's SCF converges less, each way to a minimum has other steps, and nodes between differ.
+profile() { sed -n 's/.*dE=\([^ ]*\) .*/\1/p' "$1"; }
+paste <(profile ours/C1-C2-O3-H9.xyz) <(profile gfn2/C1-C2-O3-H9.xyz) | awk 'NF != 2 || ($1 - $2)^2 > 1e-4 { exit 1 } END { exit NR < 60 }' ||
+  fail "the nodes differ"
 # In 32 bits, beside an energy of 1e4 eV, the noise is measured, and changes no barrier by more than four times as much.
 made mmff && made mmff32
 grep -q 'energies by calculator.py; its noise is 0\.0[0-9]* kJ/mol' said || fail "$(cat said)"
 paste <(rises mmff) <(rises mmff32) | awk -F'\t' 'NR > 1 && ($1 != $4 || ($3 - $6)^2 > 0.12^2) { exit 1 }' || fail "$(rises mmff; rises mmff32)"
+# A batch has all shapes of a Hessian, twice 27, and gives the same bytes as one shape after the other.
+mv mmff alone
+HAPGRID_TEST_BATCHES=$PWD/batches made mmff
+cmp mmff/C1-C2-O3-H9.xyz alone/C1-C2-O3-H9.xyz && cmp mmff/report.tsv alone/report.tsv || fail "batches make another path"
+(($(grep -cx 54 batches) > 20)) || fail "no batches: $(sort batches | uniq -c)"
+
+# Clusters along a path: an atom goes through a triangle of three others, from one tetrahedron to its mirror image. Each frame is
+# at rest but for its height. Of argon that has a closed form: pairs have 4 e ((s/r)^12 - (s/r)^6), whose cut-off is far away.
+cat >cluster.py <<'END'
+import sys
+import numpy as np
+from ase import Atoms
+from ase.calculators.emt import EMT
+from scipy.optimize import minimize_scalar
+
+argon = sys.argv[1] == "argon"
+
+def placed(side, height):
+    angles = np.radians([0, 120, 240])
+    base = side / np.sqrt(3) * np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
+    return np.vstack([base, [0, 0, height]])
+
+def energy(side, height):
+    if argon:
+        pair = lambda r: 4 * 0.208 * ((3.4 / r)**12 - (3.4 / r)**6)
+        return 3 * pair(side) + 3 * pair(np.sqrt(side**2 / 3 + height**2))
+    return Atoms("Cu3Au", placed(side, height), calculator=EMT()).get_potential_energy()
+
+low, high = (3.4, 7.0) if argon else (2.0, 5.0)
+at_rest = lambda height: minimize_scalar(lambda side: energy(side, height), bounds=(low, high), method="bounded", options={"xatol": 1e-7})
+top = minimize_scalar(lambda height: at_rest(height).fun, bounds=(1.2, 4.0), method="bounded", options={"xatol": 1e-7}).x
+heights = np.linspace(-top, top, 21)
+symbols = ["Ar"] * 4 if argon else ["Cu"] * 3 + ["Au"]
+for height in heights:
+    print(4, "title", sep="\n")
+    for symbol, x in zip(symbols, placed(at_rest(height).x, height)):
+        print(symbol, *("%.8f" % v for v in x))
+found = np.array([at_rest(height).fun for height in heights])
+print(*("%.5f" % v for v in (found - found[0]) * 96.48533212), sep="\n", file=sys.stderr)
+END
+for one in "argon ase.calculators.lj:LennardJones(sigma=3.4,epsilon=0.208,rc=1000)" "gold ase.calculators.emt:EMT()"; do
+  name=${one%% *}
+  /usr/bin/python3 cluster.py "$name" >"$name.xyz" 2>"$name.rises"
+  hapgrid molecule "$name.xyz" --path --calculator "${one#* }" -o "$name" --quiet >line 2>said || fail "$name: $(cat said)"
+  paste <(profile "$name/$name.xyz") "$name.rises" | awk '($1 - $2)^2 > 1e-4 { exit 1 } END { exit NR != 21 }' ||
+    fail "$name: $(paste <(profile "$name/$name.xyz") "$name.rises")"
+  over "$name" 0 1
+done
+# Energies in the titles are another method's. What a calculator lacks, and a metal with bonds, is refused.
+sed "s/title/energy=-1.0/" gold.xyz >titled.xyz
+hapgrid molecule titled.xyz --path --calculator 'ase.calculators.emt:EMT()' -o titled --until structures >line 2>said || fail "$(cat said)"
+grep -q 'the energies in the titles are not taken: --calculator computes them' said || fail "$(cat said)"
+same "profile" "$(profile gold/gold.xyz)" "$(profile titled/titled.xyz)"
+refuses 'molecule: the calculator: NotImplementedError: No EMT-potential for Ar' -- \
+  hapgrid molecule argon.xyz --path --calculator 'ase.calculators.emt:EMT()' -o bad --quiet
+refuses 'molecule: gold.xyz: Cu1: only molecules of H He B .*' -- hapgrid molecule gold.xyz --calculator 'ase.calculators.emt:EMT()' -o bad --quiet
 
 expect 2 '' '~molecule: --calculator no: is not MODULE:CALLABLE.*' -- hapgrid molecule --smiles C --calculator no -o bad
 refuses 'molecule: --calculator none:f: ModuleNotFoundError: .*' -- hapgrid molecule --smiles CC --calculator none:f -o bad --quiet

@@ -4,17 +4,6 @@ source "$(dirname "$0")/../lib.sh"
 source "$here/xtb.bash"
 paths=$HAPGRID_SOURCE/examples/molecule/paths
 
-# over NAME LOW HIGH: the hand's way leads over all barriers and back to t = 0, without a snap.
-over() {
-  play "$1/$1.grid" --device "path:$(ls "$1"/path-*.txt)" --log log 2>said || fail "$(cat said)"
-  awk -F'\t' -v low="$2" -v high="$3" 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
-    { t = $at["s0"]; if (t < least) least = t; if (t > most) most = t; snaps += $at["snap"]; e = $at["own_energy"]; if (e > top) top = e }
-    END { print least, most, t, top; exit !(least < low + 0.02 && most > high - 0.02 && t * t < 1e-4 && snaps == 0) }' log ||
-    fail "$1: not over and back"
-  grep -q "BROKEN\|broken" "$1/verify.txt" && fail "$(cat "$1/verify.txt")"
-  return 0
-}
-
 for one in sn2:26.81 malonaldehyde:15.69 ammonia:25.55; do
   name=${one%:*}
   hapgrid molecule "$paths/$name.xyz" --path -o "$name" --quiet >line 2>said || fail "$(cat said)"

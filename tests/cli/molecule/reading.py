@@ -179,6 +179,9 @@ ISOMERS = {
     "c1ccc2c(c1)ccc(O)c2-c1c(O)ccc2ccccc12": "C11-C12 P; the handedness of C11-C12 is not given: P is taken"}
 
 
+ANILIDE = "CC(=O)N(C)c1ccccc1C(C)(C)C"
+
+
 def isomers():
     for smiles, expected in ISOMERS.items():
         one = reading.read(None, smiles)
@@ -189,12 +192,19 @@ def isomers():
             e.kind != stereo.FLAT for e in isomer.elements), f"{smiles}: its mirror image"
     # The lowest conformers are of the isomer that was read: E in rings of 8 and 14, and one hand of an axis.
     for smiles, atoms, of in (("C1CCC/C=C/CC1", (3, 4, 5, 6), np.cos), ("CC1CCCC/C=C/CCCCC(=O)O1", (5, 6, 7, 8), np.cos),
-                              ("Oc1ccc2ccccc2c1-c1c(O)ccc2ccccc12", (1, 10, 11, 12), np.sin)):
+                              ("Oc1ccc2ccccc2c1-c1c(O)ccc2ccccc12", (1, 10, 11, 12), np.sin), (ANILIDE, (1, 3, 5, 10), np.sin)):
         one = reading.read(None, smiles)
         isomer = stereo.of(one.rd, one.positions)
         sign = -1 if of is np.cos else np.sign(of(geometry.torsion(one.positions, *atoms)))
         found = molecule.conformers(one, 4, lambda x: not isomer.differs(x), stereo.bounds)
         assert found and all(sign * of(geometry.torsion(x, *atoms)) > 0.3 for x in found), smiles
+    # The axis of an anilide: the acyl group is above methyl, and the carbon beside tert-butyl above the other one.
+    one = reading.read(None, ANILIDE)
+    hand = "P" if geometry.torsion(one.positions, 1, 3, 5, 10) > 0 else "M"
+    assert one.said == [f"the handedness of N4-C6 is not given: {hand} is taken"], one.said
+    for smiles in ("CC(=O)N(C)c1ccccc1", "CC(=O)Nc1c(C)cccc1CC", "CN(C(C)=O)c1c(C)cccc1C"):  # two places are taken, or both sides are equal
+        one = reading.read(None, smiles)
+        assert not stereo.of(one.rd, one.positions).elements, smiles
 
 
 def one_line(function):

@@ -7,7 +7,6 @@ keeps the molecule on one of them at a time.
 
 from __future__ import annotations
 
-import itertools
 import os
 import re
 from collections.abc import Callable, Sequence
@@ -20,10 +19,8 @@ from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import Failed, read_bytes
 from scipy.interpolate import PchipInterpolator, make_interp_spline
 
-from . import files, formats, geometry, holding, mending, titles, xyz
+from . import files, formats, geometry, mending, titles, xyz
 from .elements import MASSES, SYMBOLS
-from .definition import FORCE_SCALE
-from .holding import Hold, named
 from .mending import Shape, apart
 from .molecule import MOST_BYTES, BadInput, Molecule, signed
 from .results import Path, Result
@@ -37,20 +34,18 @@ MOST_RANGE = 1000.0  # kJ/mol between frames: else the unit is another one
 ONE_END = 0.05  # angstrom between ends of paths that are one
 ONE_ENERGY = 1.0  # kJ/mol, there
 UNEVEN, MOST_NODES = 2.5, 61  # steps of a path, the longest by the shortest; nodes of it
-LIGHT = 0.4  # of what a hydrogen atom moves: another atom is held sooner
-CLEAR_WAY, LEAST_WAY = 0.3, 0.05  # angstrom between its places in two minima: what is held tells them apart
-MOST_PARTS = 3  # that are tried as what stays
-RIGID = 0.15  # angstrom that distances in a part change that keeps its shape
 EVEN_STEP = 1e-6
-MOST_FORCE = 1.2  # newtons
 
 
 # Reading
 
-def read(paths: Sequence[str], charge: int | None, unpaired: int | None, unit: str | None) -> dict[str, Any]:
-    """{paths: [(name, Shapes)], charge, unpaired, unit, said} of files. Errors: BadInput."""
+def read(paths: Sequence[str], charge: int | None, unpaired: int | None, unit: str | None, anew: bool) -> dict[str, Any]:
+    """{paths: [(name, Shapes)], charge, unpaired, unit, said} of files. anew: without the energies in titles. Errors: BadInput."""
     said: list[str] = []
     given = [_shapes(path, unit, said.append) for path in paths]
+    if anew and any(one.energy is not None for shapes, _ in given for one in shapes):
+        said.append("the energies in the titles are not taken: --calculator computes them")
+        given = [([replace(one, energy=None) for one in shapes], words) for shapes, words in given]
     first = given[0][0][0]
     for path, (shapes, _) in zip(paths, given):
         if shapes[0].numbers != first.numbers:
@@ -150,26 +145,27 @@ def found(start: Start) -> Result:
     given = start.given or {}
 
     def compute() -> list[str]:
-        def energy(x: Array) -> float:
-            return start.surface(x).energy(x)
+        def energies(some: list[Array]) -> list[float]:
+            if start.calculator is not None:
+                return start.surface(some[0]).energies(some)
+            return folder.each("energies of the frames", lambda x: start.surface(x).energy(x), some, o.threads)
         if not given["known"]:
             folder.say(f"  no energies in the titles: they are those of {start.words}, with charge {signed(one.charge)} and "
                        f"{one.unpaired} unpaired electrons")
-        return files.write_set(folder, result(start, energy, o.threads), f"hapgrid molecule --path: {start.source}")
+        return files.write_set(folder, result(start, energies), f"hapgrid molecule --path: {start.source}")
     key = [[name, [[s.x.tolist(), s.energy] for s in shapes]] for name, shapes in given["paths"]]
     method = None if given["known"] else [start.method, o.solvent, one.charge, one.unpaired]
     folder.step("structures", "", [], [key, method], compute)
     return files.read_set(folder)
 
 
-def result(start: Start, energy: Callable[[Array], float], threads: int) -> Result:
-    """The Result of the paths that were read. energy(x): hartree of positions in bohr, where the frames have none."""
+def result(start: Start, energies: Callable[[list[Array]], list[float]]) -> Result:
+    """The Result of the paths that were read. energies(shapes): hartree of positions in bohr, where the frames have none."""
     given = start.given
     assert given is not None
     everything = [one for _, shapes in given["paths"] for one in shapes]
     if not given["known"]:
-        found = start.folder.each("energies of the frames", energy, [one.x / BOHR for one in everything], threads)
-        left = iter([value * HARTREE for value in found])
+        left = iter([value * HARTREE for value in energies([one.x / BOHR for one in everything])])
         given = {**given, "paths": [(name, [replace(one, energy=next(left)) for one in shapes]) for name, shapes in given["paths"]]}
     rows = [(name, _even([(one.x, float(one.energy)) for one in shapes])) for name, shapes in given["paths"]]
     branches = _tree(rows)
@@ -212,7 +208,7 @@ def _cut(row: Row) -> tuple[int, Row]:
     return (at - top) % last, [*row[top:last], *row[:top], row[top]]
 
 
-def _kinds(energies: Sequence[float], start: int) -> dict[int, str]:
+def kinds(energies: Sequence[float], start: int) -> dict[int, str]:
     """{node: minimum or saddle} of a path, without its start; ends that are higher than their neighbours are none."""
     out: dict[int, str] = {}
     for step in (-1, 1):
@@ -247,8 +243,8 @@ def _path(name: str, row: Row, start: int, x0: Array, rest: float, masses: Array
         nodes[k] = geometry.as_in_file(geometry.aligned(nodes[k], nodes[k - 1 if k > start else k + 1], masses))
     if closes:
         nodes[-1 if start < len(row) - 1 else 0] = nodes[0 if start < len(row) - 1 else -1]
-    kinds = _kinds(energies, start)
-    return Path(nodes, [(e if k != start else rest) / HARTREE for k, e in enumerate(energies)], start, kinds, name=name)
+    stationary = kinds(energies, start)
+    return Path(nodes, [(e if k != start else rest) / HARTREE for k, e in enumerate(energies)], start, stationary, name=name)
 
 
 def _even(row: Row) -> Row:
@@ -263,7 +259,7 @@ def _even(row: Row) -> Row:
     along = np.concatenate([[0], np.cumsum(np.maximum(steps, EVEN_STEP))])
     energies = np.array([e for _, e in row])
     shape, height = make_interp_spline(along, chain, k=min(3, len(row) - 1)), PchipInterpolator(along, energies)
-    stops = sorted({0, len(row) - 1, *_kinds(energies.tolist(), 0)})
+    stops = sorted({0, len(row) - 1, *kinds(energies.tolist(), 0)})
     count = min(len(row), MOST_NODES) - 1
     at = [0.0]
     for a, b in zip(along[stops[:-1]], along[stops[1:]]):
@@ -308,79 +304,3 @@ def _one(a: tuple[Array, float], b: tuple[Array, float], here: str, there: str) 
         raise Failed(f"--path: {here} and {there} share an end, of which their energies differ by {abs(a[1] - b[1]):.1f} kJ/mol: "
                      "are they of one method?")
     return True
-
-
-# What is held
-
-def hold(molecule: Molecule, result: Result, wanted: str | None) -> Hold:
-    """What of the molecule the hand holds, and what stays: the atom, or those of --hold, of which all minima of the paths have
-    places far from each other, or two atoms, where one does not tell them apart. What stays is a part that keeps its shape; or
-    the whole by its mass, unless a path closes, since such a path must come to its place again."""
-    closes = any(apart(f.nodes[0], f.nodes[-1]) * BOHR <= mending.SAME for f in result.found)
-    fixed = [*([()] if not closes else []), *_rigid(result)]
-    if wanted is not None:
-        return _farthest(result, [named(molecule, wanted)], fixed)[0]
-    count = range(len(result.numbers))
-    one, far = _farthest(result, [(n,) for n in count], fixed)
-    if far < CLEAR_WAY:
-        two, farther = _farthest(result, list(itertools.combinations(count, 2)), fixed)
-        one, far = (two, farther) if farther > 1.5 * far else (one, far)
-    if far < LEAST_WAY:
-        raise Failed("--path: no atom, nor the centre of two, has another place in each minimum: say what is held by --hold")
-    return one
-
-
-def _farthest(result: Result, candidates: Sequence[Sequence[int]], fixed: Sequence[Sequence[int]]) -> tuple[Hold, float]:
-    """(the best Hold of some atoms, how far its nearest places in two minima are from each other, angstrom; of one hydrogen less)"""
-    best, most = Hold(tuple(candidates[0]), (), ()), 0.0
-    for stay in fixed:
-        places = np.array(_places(result, stay))
-        for some in candidates:
-            if set(some) & set(stay):
-                continue
-            at = places[:, list(some)].mean(axis=1)
-            least = float(np.min([np.linalg.norm(a - b) for k, a in enumerate(at) for b in at[:k]], initial=9.0))
-            least *= LIGHT if len(some) == 1 and result.numbers[some[0]] == 1 else 1
-            if least > most + 0.05:
-                best, most = Hold(tuple(some), tuple(stay), ()), least
-    return best, most
-
-
-def _places(result: Result, fixed: Sequence[int]) -> list[Array]:
-    """Shapes in the minima and at the ends of all paths, as the conformation lies, angstrom; of ends that meet one."""
-    weights = holding.weights(result.masses, fixed)
-    out = [result.x]
-    for f in result.found:
-        ends = {0, len(f.nodes) - 1} if apart(f.nodes[0], f.nodes[-1]) * BOHR > mending.SAME else set()
-        out += [geometry.aligned(f.nodes[k], result.x, weights)
-                for k in sorted(ends | {k for k, kind in _kinds([e * HARTREE for e in f.energies], f.start).items()
-                                        if kind == "minimum"}) if k != f.start]
-    return [x * BOHR for x in out]
-
-
-def _rigid(result: Result) -> list[tuple[int, ...]]:
-    """Parts that keep their shape on all paths and say how the molecule is turned, the heaviest first."""
-    nodes = np.array([x for f in result.found for x in f.nodes]) * BOHR
-    distance = np.linalg.norm(nodes[:, :, None] - nodes[:, None], axis=3)
-    stable = np.ptp(distance, axis=0) < RIGID
-    parts = set()
-    for first in range(len(result.numbers)):
-        part = [first]
-        for n in sorted(set(range(len(result.numbers))) - {first}, key=lambda n: (-stable[n].sum(), n)):
-            if stable[n, part].all():
-                part.append(n)
-        spread = np.linalg.svd(geometry.centred(result.x[part], np.ones(len(part))), compute_uv=False)
-        if 2 < len(part) < len(result.numbers) and spread[1] > 0.4:
-            parts.add(tuple(sorted(part)))
-    return sorted(parts, key=lambda part: (-result.masses[list(part)].sum(), part))[:MOST_PARTS]
-
-
-def force_scale(result: Result, hold: Hold) -> float:
-    """Newtons on the device for 1 kJ/(mol angstrom): the steepest rise along the way of what is held is MOST_FORCE at most."""
-    steepest = 0.0
-    for f in result.found:
-        shapes = [geometry.aligned(x, result.x, holding.weights(result.masses, hold.fixed)) for x in f.nodes]
-        places = np.array([holding.way(x, hold.atoms) for x in shapes]) * BOHR
-        steps = np.maximum(np.linalg.norm(np.diff(places, axis=0), axis=1), 0.01)
-        steepest = max(steepest, float((np.abs(np.diff(f.energies)) * HARTREE / steps).max()))
-    return float(f"{min(FORCE_SCALE, MOST_FORCE / steepest):.1g}") if steepest else FORCE_SCALE

@@ -16,7 +16,7 @@ import re
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from hapgrid.apps.common.arrays import Array
@@ -34,12 +34,14 @@ TRIES, AWAY, DEGREE = 24, 0.06, 6
 QUIET = 1e-8, 1e-7  # what is rougher than libxtb is noise, hartree and hartree/bohr
 SHORTEST, LONGEST = 0.005, 0.05  # bohr: steps of differences
 FORM = "MODULE:CALLABLE(KEY=VALUE, ...), such as 'ase.calculators.lj:LennardJones(sigma=3.4)', or a file calculator.py"
+# batch(calculator, [Atoms, ...]) of a file calculator.py: (energies in eV, forces in eV/angstrom), arrays of as many rows.
+Batch: TypeAlias = Callable[[Any, Sequence[Any]], tuple[Any, Any]]
 
 
 @dataclass(frozen=True)
 class Source:
-    """make(charge, uhf): a calculator; name: as titles have it; said: in words."""
-    make: Callable[[int, int], Any]
+    """make(charge, uhf): a calculator, and the batch() beside it; name: as titles have it; said: in words."""
+    make: Callable[[int, int], tuple[Any, Batch | None]]
     name: str
     said: str
 
@@ -59,13 +61,13 @@ def source(text: str) -> Source:
     except (SyntaxError, ValueError, AssertionError):
         raise UsageError(f"--calculator {text}: is not {FORM}") from None
 
-    def make(charge: int, uhf: int) -> Any:
+    def make(charge: int, uhf: int) -> tuple[Any, Batch | None]:
         one: Any = _imported(lambda: importlib.import_module(module), text)
         for part in callable_.split("."):
             one = getattr(one, part, None)
         if not callable(one):
             raise Failed(f"--calculator: the module {module} has no {callable_}")
-        return one(*arguments, **{**_charge_of(one, charge, uhf, keys), **keys})
+        return one(*arguments, **{**_charge_of(one, charge, uhf, keys), **keys}), None
     return Source(make, re.sub(r"[^A-Za-z0-9.+-]+", "_", text).strip("_"), text)
 
 
@@ -75,7 +77,7 @@ def _file(path: str) -> Source:
         raise Failed(f"{path}: No such file or directory")
     name = os.path.splitext(os.path.basename(path))[0]
 
-    def make(charge: int, uhf: int) -> Any:
+    def make(charge: int, uhf: int) -> tuple[Any, Batch | None]:
         spec = importlib.util.spec_from_file_location("hapgrid_calculator", path)
         assert spec and spec.loader
         loader = spec.loader
@@ -85,7 +87,7 @@ def _file(path: str) -> Source:
         function = getattr(module, "calculator", None)
         if not callable(function):
             raise Failed(f"{path}: has no function calculator(charge, uhf)")
-        return function(charge, uhf)
+        return function(charge, uhf), getattr(module, "batch", None)
     # Another text is another method.
     return Source(make, re.sub(r"[^A-Za-z0-9.+-]+", "_", name) + "-" + content[:8], os.path.basename(path))
 
@@ -121,12 +123,23 @@ def _charge_of(one: Callable[..., Any], charge: int, uhf: int, given: dict[str, 
     return out
 
 
+def one_by_one(calculator: Any, some: Sequence[Any]) -> tuple[Any, Any]:
+    """What a Batch gives, where there is none."""
+    forces, energies = [], []
+    for atoms in some:
+        atoms.calc = calculator
+        forces.append(atoms.get_forces())
+        energies.append(atoms.get_potential_energy())
+    return energies, forces
+
+
 class CalculatorSurface(xtb.Potential):
     """As xtb.Surface. Errors: XtbError, of whatever the calculator says."""
 
     renewal = 12
 
-    def __init__(self, numbers: Sequence[int], positions: Array, calculator: Any, tree: Any = None) -> None:
+    def __init__(self, numbers: Sequence[int], positions: Array, calculator: tuple[Any, Batch | None],
+                 tree: Any = None) -> None:
         try:
             from ase import Atoms
         except ImportError:
@@ -134,22 +147,27 @@ class CalculatorSurface(xtb.Potential):
         self.tree = tree
         self.masses = np.array([MASSES[z] for z in numbers])
         self._atoms = Atoms(numbers=list(numbers), positions=np.asarray(positions) * BOHR)
-        self._atoms.calc = calculator
+        self._calculator, self._batch = calculator
         self.noise = self._measured(np.asarray(positions, float))
 
     def __call__(self, positions: Array) -> tuple[float, Array]:
-        positions = np.asarray(positions, float)
-        if not np.isfinite(positions).all():
+        return self.many([positions])[0]
+
+    def many(self, shapes: Sequence[Array]) -> list[tuple[float, Array]]:
+        if not all(np.isfinite(x).all() for x in shapes):
             raise XtbError("a position is not finite")
-        self._atoms.positions = positions * BOHR
+        some = [self._atoms.copy() for _ in shapes]
+        for atoms, x in zip(some, shapes):
+            atoms.positions = np.asarray(x, float) * BOHR
         try:
-            forces = np.asarray(self._atoms.get_forces(), float)
-            energy = float(self._atoms.get_potential_energy())
+            energies, forces = (np.asarray(v, float) for v in (self._batch or one_by_one)(self._calculator, some))
         except Exception as why:  # it is somebody's program
             raise XtbError(f"the calculator: {type(why).__name__}: {' '.join(str(why).split()) or 'failed'}") from None
-        if not np.isfinite(energy) or not np.isfinite(forces).all():
+        if energies.shape != (len(some),) or forces.shape != (len(some), len(self.masses), 3):
+            raise XtbError(f"the calculator: energies and forces of {len(some)} shapes have {energies.shape} and {forces.shape} numbers")
+        if not np.isfinite(energies).all() or not np.isfinite(forces).all():
             raise XtbError("the calculator: an energy or a force is not finite")
-        return energy * EV, -forces * EV / ANGSTROM
+        return list(zip((energies * EV).tolist(), -forces * EV / ANGSTROM))
 
     def _measured(self, x: Array) -> tuple[float, float]:
         """(of an energy, of a component of the gradient): what is left of values at near shapes when a smooth
@@ -158,7 +176,7 @@ class CalculatorSurface(xtb.Potential):
         way = random.normal(size=x.shape)
         way /= np.linalg.norm(way)
         steps = np.linspace(-AWAY, AWAY, TRIES)
-        energies, gradients = zip(*(self(x + step * way) for step in steps))
+        energies, gradients = zip(*self.many([x + step * way for step in steps]))
 
         def rough(values: Array) -> float:
             flat = np.asarray(values).reshape(TRIES, -1)

@@ -64,7 +64,7 @@ def parser() -> Parser:
                    "trajectory of ASE")
     p.add_argument("--unit", type=str.lower, choices=("hartree", "ev", "kj/mol", "kcal/mol"),
                    help="with --path, unit of the energies in the titles (default: as the title says; energy= is in eV, and "
-                   "others in hartree; without energies xtb computes them)")
+                   "others in hartree; without energies xtb or --calculator computes them)")
     p.add_argument("--smiles", help="molecule as SMILES, whose conformers are searched")
     p.add_output("processes and threads")
     p.add_argument("--charge", type=number(-9, 9, int), metavar="E",

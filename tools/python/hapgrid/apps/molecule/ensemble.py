@@ -102,7 +102,7 @@ def _top(search: Search, a: Array, b: Array) -> tuple[Array, Array]:
     hessians = [search.surface.hessian(x) for x in shapes]
     for _ in range(ROUNDS):
         shapes = path.resampled(_across(search, shapes, hessians), search.surface.masses, SHAPES)
-    energies = [search.surface.energy(x) for x in shapes]
+    energies = search.surface.energies(shapes)
     k = int(np.argmax(energies))
     if k in (0, len(shapes) - 1):
         raise optimise.NoPath("no barrier lies between the two minima")

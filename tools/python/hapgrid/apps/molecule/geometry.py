@@ -18,6 +18,7 @@ from .xtb import BOHR
 
 LINEAR = 0.17  # a torsion about a bond with a sine of its angle below this is none
 STRAIGHT = 0.35  # the same of an atom between two others: it stands on a line, as those of an alkyne do, which bends in places
+LOOSE = 0.3  # of a shape's own tightness(): below this an alignment comes loose
 BONDED = 1.25  # times the sum of the covalent radii: nearer atoms are bonded
 
 
@@ -58,6 +59,13 @@ def aligned(x: Array, reference: Array, masses: Array) -> Array:
     u, _, vt = np.linalg.svd(a.T @ (masses[:, None] * b))
     u[:, -1] *= np.sign(np.linalg.det(u @ vt))  # no reflection
     return a @ (u @ vt) + masses @ reference / masses.sum()
+
+
+def tightness(x: Array, reference: Array, masses: Array) -> float:
+    """How stiff the best alignment is against the turn that changes it least: 0 where there are two best ones."""
+    a, b = centred(x, masses), centred(reference, masses)
+    u, s, vt = np.linalg.svd(a.T @ (masses[:, None] * b))
+    return float(s[1] + np.sign(np.linalg.det(u @ vt)) * s[2])
 
 
 def as_in_file(x: Array) -> Array:

@@ -20,7 +20,7 @@ from hapgrid.apps.common.cli import BreaksRule
 from hapgrid.apps.common.files import Failed
 from hapgrid.apps.common.work import Work, about, duration
 
-from . import along, holding, path_selection, resolution, stiffness, xyz
+from . import along_hold, holding, path_selection, resolution, stiffness, xyz
 from .definition import MAX_LEVELS, PENALTY, Definition, paths_of
 from .results import Result
 from .xtb import BOHR, HARTREE
@@ -143,7 +143,7 @@ def planned(start: Start, shapes: Result, remedies: Remedies) -> tuple[Definitio
     else:
         one.held = (hold.atoms, hold.fixed, holding.tie(shapes, hold, paths, o.soft))
         if start.given:
-            one.force_scale = along.force_scale(shapes, hold)
+            one.force_scale = along_hold.force_scale(shapes, hold)
         folder.say(f"  the hand holds {holding.words(start.molecule, hold.atoms)}")
     if not o.spacing:
         one, fault = resolved(start, shapes, one, remedies.may_widen and not one.held)

@@ -169,8 +169,8 @@ def decided(start: Start, result: Result) -> Hold | None:
     if o.push or not found:
         return None
     if start.given:
-        from . import along  # which imports this one
-        return along.hold(start.molecule, result, o.hold)
+        from . import along_hold  # which imports this one
+        return along_hold.hold(start.molecule, result, o.hold)
     for hold in candidates(start.molecule, start.turning, o.hold, result.x):
         hold = replace(hold, torsions=tuple(t for t in hold.torsions if t.name in found))
         if hold.torsions:

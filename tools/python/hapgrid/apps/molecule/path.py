@@ -66,9 +66,9 @@ def nodes(surface: Potential, shapes: Shapes, start: Point, count: int = 11, apa
         shapes = [torsion.turned(x, turn * (1 - k / (len(shapes) - 1))) for k, x in enumerate(shapes)]
     # Rounded as in the file, so that the file's energies are those of its shapes.
     shapes = [geometry.as_in_file(x) for x in [start.x, *(geometry.aligned(x, start.x, masses) for x in shapes[1:])]]
-    energies = [start.energy] + [surface.energy(x) for x in shapes[1:]]
+    energies = [start.energy, *surface.energies(shapes[1:])]
     middles = (np.arange(len(shapes) - 1) + 0.5) / (len(shapes) - 1)
-    check(energies, [surface.energy(surface.tree.build(q)) for q in spline(surface.tree, shapes)(middles)], start.energy,
+    check(energies, surface.energies([surface.tree.build(q) for q in spline(surface.tree, shapes)(middles)]), start.energy,
           optimise.LOUD * surface.noise[0] * HARTREE)
     return shapes, energies
 

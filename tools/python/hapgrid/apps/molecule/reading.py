@@ -17,7 +17,7 @@ from rdkit import Chem
 from rdkit.Chem import rdMolDescriptors
 
 from . import building, formats, geometry, molecule as prepared, stereo, valences, xyz
-from .elements import MASSES, SYMBOLS
+from .elements import MASSES, METALS, SYMBOLS
 from .formats import Input, Record, check_count
 from .molecule import BadInput, Molecule, is_flat, listed, numbers_of, places_of, signed
 
@@ -95,10 +95,10 @@ def _one(given: Input, charge: int | None, unpaired: int | None) -> dict[str, An
     record, others = _largest(given)
     charge = record.charge if charge is None else charge
     unpaired = record.unpaired if unpaired is None else unpaired
-    strange = [a for a in record.mol.GetAtoms() if a.GetAtomicNum() not in MASSES]
+    strange = [a for a in record.mol.GetAtoms() if a.GetAtomicNum() not in set(MASSES) - METALS]
     if strange:
         raise BadInput(f"{given.what}: {valences.named(record.mol, [strange[0].GetIdx()])}: only molecules of "
-                       f"{' '.join(SYMBOLS[z] for z in MASSES)} can be felt: take the part without it")
+                       f"{' '.join(SYMBOLS[z] for z in MASSES if z not in METALS)} can be felt: take the part without it")
     mol, built = _completed(given, record, charge, unpaired)
     charge = Chem.GetFormalCharge(mol) if charge is None else charge
     _check(places_of(mol), given.what)

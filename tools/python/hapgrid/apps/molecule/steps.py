@@ -70,7 +70,7 @@ class Start:
         return geometry.Tree(one.neighbours, one.numbers, geometry.straight(one.neighbours, one.positions))
 
     @cached_property
-    def calculator(self) -> Any:
+    def calculator(self) -> tuple[Any, calculator.Batch | None] | None:
         """A process makes its own: what one of them holds cannot be shared."""
         by = self.options.calculator
         return None if by is None else by.make(self.molecule.charge, self.molecule.unpaired)
@@ -141,7 +141,7 @@ def read(o: Namespace) -> Start:
 def read_path(o: Namespace) -> Start:
     """The same with paths of its own. They are read each time: reading is fast."""
     folder = Work("molecule", o.output, o.quiet)
-    given = along.read([o.file, *o.more], o.charge, o.uhf, o.unit)
+    given = along.read([o.file, *o.more], o.charge, o.uhf, o.unit, o.calculator is not None)
     for line in given["said"]:
         folder.say("  " + line)
     one = along.molecule(given)

@@ -1,8 +1,9 @@
 """Which stereoisomer a shape is of: its centres (R or S), double bonds (E or Z), allenes and axes (M or P).
 
 RDKit finds the centres. Its double bonds have no =NH, and it knows neither allenes nor axes, so those are found here: a row
-of n double bonds is flat where n is odd, and is handed like a screw where n is even. An axis is a single bond between two rings
-of which three of the four places beside it are taken, so that the rings do not pass each other.
+of n double bonds is flat where n is odd, and is handed like a screw where n is even. An axis is a single bond between two rings,
+or between a ring and the nitrogen of a tertiary amide, of which three of the four places beside it are taken, so that its sides
+do not pass each other.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ OTHER = dict(zip("RSrsEZMP", "SRsrZEPM"))
 LEAST = 0.17  # of a sine, cosine or volume: below it a shape is of neither kind
 LEAST_RING = 8  # atoms of a ring in which a double bond may be E
 TAKEN = 3  # of the four places beside an axis
+ANILIDE = Chem.MolFromSmarts("[NX3]([#6])([#6])C=O")  # the nitrogen of an amide beside two carbon atoms
 TRIES = 5  # of distance geometry, until an isomer counts as impossible
 SMILES_TAGS = {Chem.ChiralType.CHI_TETRAHEDRAL_CCW: 1, Chem.ChiralType.CHI_TETRAHEDRAL_CW: -1}
 
@@ -139,15 +141,16 @@ def _rows(rd: Chem.Mol) -> list[Element]:
 
 
 def _axes(rd: Chem.Mol) -> list[Element]:
-    out = []
+    out, amide = [], {at for match in rd.GetSubstructMatches(ANILIDE) for at in match[:1]}
     for bond in rd.GetBonds():
         ends = sorted((bond.GetBeginAtom(), bond.GetEndAtom()), key=lambda a: a.GetIdx())
-        if bond.IsInRing() or bond.GetBondType() != Chem.BondType.SINGLE or not all(
-                a.IsInRing() and a.GetDegree() == 3 and a.GetHybridization() == Chem.HybridizationType.SP2 for a in ends):
+        if bond.IsInRing() or bond.GetBondType() != Chem.BondType.SINGLE or not any(a.IsInRing() for a in ends) or not all(
+                (a.IsInRing() or a.GetIdx() in amide) and a.GetDegree() == 3 and a.GetHybridization() == Chem.HybridizationType.SP2
+                for a in ends):
             continue
         j, k = (a.GetIdx() for a in ends)
-        beside = [n for a in ends for n in a.GetNeighbors() if n.GetIdx() not in (j, k)]
-        taken = sum(sum(m.GetAtomicNum() > 1 for m in n.GetNeighbors()) > 2 for n in beside)
+        beside = [(a, n) for a in ends for n in a.GetNeighbors() if n.GetIdx() not in (j, k)]
+        taken = sum(sum(m.GetAtomicNum() > 1 for m in n.GetNeighbors()) > 2 or a.GetIdx() in amide for a, n in beside)
         i, l = _end(rd, j, k, False), _end(rd, k, j, False)
         if taken >= TAKEN and i is not None and l is not None:
             out.append(Element(SCREW, f"{_label(rd, j)}-{_label(rd, k)}", (i, j, k, l)))

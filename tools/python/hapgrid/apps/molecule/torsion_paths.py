@@ -13,7 +13,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
 from hapgrid.apps.common.arrays import Array, Shapes
 
 from . import geometry, optimise, path
@@ -24,7 +23,6 @@ from .xtb import XtbError
 
 LEGS = 6  # in one direction, at most
 JUMP = 3.0  # times the way that the atoms go: how far an aligned shape moves where the alignment jumps
-LOOSE = 0.3  # of the conformation's own tightness: an alignment below this comes loose
 BACK = "back in the conformation"
 
 
@@ -99,19 +97,12 @@ def _jump(search: Search, nodes: Sequence[Array]) -> int | None:
     that lies as well on the conformation in two ways, as dichloroethane with both chlorine atoms on one side, a small change of
     shape turns the whole molecule, and the model's minimiser would leap."""
     masses = search.surface.masses
-    tight = _tightness(search.x, search.x, masses)
+    tight = geometry.tightness(search.x, search.x, masses)
     chain = path.aligned_chain(nodes, masses)
     aligned = [geometry.aligned(n, search.x, masses) for n in nodes]
     return next((k for k in range(1, len(nodes))
                  if geometry.rms(aligned[k], aligned[k - 1]) > JUMP * geometry.rms(chain[k], chain[k - 1])
-                 or _tightness(nodes[k], search.x, masses) < LOOSE * tight), None)
-
-
-def _tightness(x: Array, reference: Array, masses: Array) -> float:
-    """How stiff the best alignment is against the turn that changes it least: 0 where there are two best ones."""
-    a, b = geometry.centred(x, masses), geometry.centred(reference, masses)
-    u, s, vt = np.linalg.svd(a.T @ (masses[:, None] * b))
-    return float(s[1] + np.sign(np.linalg.det(u @ vt)) * s[2])
+                 or geometry.tightness(nodes[k], search.x, masses) < geometry.LOOSE * tight), None)
 
 
 def _part(way: Path, count: int) -> Path:

@@ -45,8 +45,15 @@ class Potential(ABC):
         """Of differences, bohr."""
         return 0.005
 
+    def many(self, shapes: Sequence[Array]) -> list[tuple[float, Array]]:
+        """The same of several shapes, which a calculator may compute together."""
+        return [self(x) for x in shapes]
+
     def energy(self, positions: Array) -> float:
         return self(positions)[0]
+
+    def energies(self, shapes: Sequence[Array]) -> list[float]:
+        return [energy for energy, _ in self.many(shapes)]
 
     def hessian(self, positions: Array) -> Array:
         rows = self.differences(positions)
@@ -58,8 +65,8 @@ class Potential(ABC):
         flat = np.asarray(positions, float).ravel()
         step = self.step
         shifts = step * np.eye(flat.size)
-        return np.array([(self((flat + s).reshape(-1, 3))[1] - self((flat - s).reshape(-1, 3))[1]).ravel() / (2 * step)
-                         for s in shifts])
+        slopes = [slope.ravel() for _, slope in self.many([(flat + s).reshape(-1, 3) for s in [*shifts, *-shifts]])]
+        return np.array([(ahead - back) / (2 * step) for ahead, back in zip(slopes[:flat.size], slopes[flat.size:])])
 
 
 class Surface(Potential):
