@@ -86,8 +86,8 @@ int run(const Options& options) {
   keep_inputs({{"--output", options.output}},
               {{options.grid, "grid"}, {asked.model.allowed, "definition"}});
   announce_terminal(options.grid);
-  const LoadedGrid loaded = load_grid(options.grid);
-  return tell(loaded.grid, examine(loaded.grid, asked), options);
+  const Grid grid = load_grid(options.grid);
+  return tell(grid, examine(grid, asked), options);
 }
 
 void add_checks(CommandLine& app, Options& options) {

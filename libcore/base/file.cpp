@@ -163,8 +163,9 @@ std::string followed(const std::string& name) {
 }
 
 bool is_special(const std::string& name) {
-  struct stat status {};
-  return ::stat(name.c_str(), &status) == 0 && !S_ISREG(status.st_mode);
+  std::error_code error;
+  const fs::file_status status = fs::status(name, error);
+  return fs::exists(status) && !fs::is_regular_file(status);
 }
 
 }  // namespace

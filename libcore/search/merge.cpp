@@ -42,7 +42,7 @@ struct RequestReader::Stream {
   const Section* section;
   SectionReader reader;
   std::size_t chunk = 0;  // to be read next
-  RequestRows rows;
+  Chunk rows;
   std::size_t row = 0;
 };
 
@@ -117,32 +117,29 @@ void RequestReader::gather(const SourceRequests& more, DirectionMask& known) {
   known |= more.directions;
 }
 
-MergeInput merge_input(std::vector<Section> sections) {
-  MergeInput input;
-  bool any = false;
-  for (Section& section : sections) {
-    if (section.header.content == Content::kRequests) {
-      input.requests.push_back(std::move(section));
-      continue;
-    }
-    if (any)
-      throw FormatError(
-          format("{}: a second grid, beside {}", section.file->name(), input.grid.file->name()));
-    any = true;
-    input.grid = std::move(section);
-  }
-  if (!any)
-    throw FormatError(format("{}: requests, but no grid to merge them into",
-                             input.requests.front().file->name()));
-  for (const Section& section : input.requests)
-    if (section.header.generation != input.grid.header.generation)
+Section take_grid(std::vector<Section>& sections) {
+  const auto is_grid = [](const Section& section) {
+    return section.header.content == Content::kGrid;
+  };
+  const auto found = std::find_if(sections.begin(), sections.end(), is_grid);
+  if (found == sections.end())
+    throw FormatError(
+        format("{}: requests, but no grid to merge them into", sections.front().file->name()));
+  Section grid = std::move(*found);
+  sections.erase(found);
+  const auto second = std::find_if(sections.begin(), sections.end(), is_grid);
+  if (second != sections.end())
+    throw FormatError(
+        format("{}: a second grid, beside {}", second->file->name(), grid.file->name()));
+  for (const Section& section : sections)
+    if (section.header.generation != grid.header.generation)
       throw FormatError(format("{}: requests of generation {}, the grid's frontier is {}",
                                section.file->name(), section.header.generation,
-                               input.grid.header.generation));
-  return input;
+                               grid.header.generation));
+  return grid;
 }
 
-SectionHeader MergeInput::merged_header() const {
+SectionHeader merged_header(const Section& grid) {
   SectionHeader header = grid.header;
   if (grid.frontier() > 0) ++header.generation;
   return header;
@@ -159,7 +156,7 @@ namespace {
 /// Copies a grid byte by byte, after a look at all of it.
 void copy(const Section& grid, int fd, const std::string& name) {
   SectionReader reader(grid);
-  RecordRows rows;
+  Chunk rows;
   for (std::size_t i = 0; i < grid.footer.chunks.size(); ++i) reader.read(i, rows);
   std::vector<std::byte> bytes;
   for (std::uint64_t at = grid.begin; at < grid.end; at += bytes.size()) {
@@ -172,17 +169,17 @@ void copy(const Section& grid, int fd, const std::string& name) {
 
 }  // namespace
 
-void merge(const MergeInput& input, const Model& model, int fd, const std::string& name,
-           Progress& progress) {
-  const SectionHeader& header = input.grid.header;
-  RequestReader requests(input.requests);
+void merge(const Section& grid, const std::vector<Section>& requests, const Model& model, int fd,
+           const std::string& name, Progress& progress) {
+  const SectionHeader& header = grid.header;
+  RequestReader reader(requests);
   SourceRequests source;
-  if (input.grid.frontier() == 0) {
-    if (requests.next(source)) fail_unasked(header.spec, source);
-    return copy(input.grid, fd, name);
+  if (grid.frontier() == 0) {
+    if (reader.next(source)) fail_unasked(header.spec, source);
+    return copy(grid, fd, name);
   }
-  Levels levels(input.grid, model);
-  while (requests.next(source)) {
+  Levels levels(grid, model);
+  while (reader.next(source)) {
     const RecordIndex record = levels.find(source.point, source.level);
     if (record == Grid::kNoRecord || levels.generation(record) != header.generation)
       fail_unasked(header.spec, source);
@@ -191,7 +188,7 @@ void merge(const MergeInput& input, const Model& model, int fd, const std::strin
     progress.conversions += static_cast<std::uint64_t>(std::popcount(source.directions));
   }
   levels.require_settled(header.generation);
-  SectionWriter out(fd, name, input.merged_header());
+  SectionWriter out(fd, name, merged_header(grid));
   levels.write(out);
 }
 
@@ -201,7 +198,7 @@ void copy_finished(const Section& grid, SectionWriter& out) {
         format("{}: {} records are still in the frontier; only a finished grid can be made small",
                grid.file->name(), grid.frontier()));
   SectionReader reader(grid);
-  RecordRows rows;
+  Chunk rows;
   for (std::size_t i = 0; i < grid.footer.chunks.size(); ++i) {
     reader.read(i, rows);
     out.records(rows, 0, rows.size());

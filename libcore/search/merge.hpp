@@ -63,18 +63,12 @@ class RequestReader {
   std::vector<double> rows_;    // those of its directions
 };
 
-/// What a merge starts from.
-struct MergeInput {
-  Section grid;
-  std::vector<Section> requests;
-
-  /// The header of the merged grid. A grid whose frontier is empty keeps its generation.
-  SectionHeader merged_header() const;
-};
-
-/// Sorts sections into the grid and the requests.
+/// Takes the grid out of the sections, and leaves the requests.
 /// @throw FormatError unless there is one grid, and all the others are of its generation.
-MergeInput merge_input(std::vector<Section> sections);
+Section take_grid(std::vector<Section>& sections);
+
+/// The header of the merged grid. A grid whose frontier is empty keeps its generation.
+SectionHeader merged_header(const Section& grid);
 
 /// Merges a whole round: each of the conversions of the grid's frontier must be among the requests;
 /// when it has no frontier, it is copied. Memory: the whole grid, and a chunk of each section of
@@ -82,8 +76,8 @@ MergeInput merge_input(std::vector<Section> sections);
 /// settled; `name` is for messages.
 /// @throw FormatError when requests are missing (it counts them), contradict each other, or were
 /// not asked for; Error (level limit), ModelError, std::system_error.
-void merge(const MergeInput& input, const Model& model, int fd, const std::string& name,
-           Progress& progress);
+void merge(const Section& grid, const std::vector<Section>& requests, const Model& model, int fd,
+           const std::string& name, Progress& progress);
 
 /// Writes the records of a finished grid to `out`, which cuts them into its own chunks, and
 /// finishes it. @throw Error when the frontier is not empty; FormatError, std::system_error

@@ -20,8 +20,10 @@ struct Section {
   SectionHeader header;
   SectionFooter footer;
 
-  std::uint64_t records() const;      ///< of requests: their source records
-  std::uint64_t frontier() const;     ///< records
+  std::uint64_t size() const { return end - begin; }  ///< bytes, as it is stored
+  std::string digest() const;                         ///< of the content, in hex: which grid it is
+  std::uint64_t records() const;                      ///< of requests: their source records
+  std::uint64_t frontier() const;                     ///< records
   std::uint64_t conversions() const;  ///< that the frontier asks for; of requests: how many
 };
 

@@ -109,20 +109,13 @@ void add(Content& content, const ChunkInfo& chunk) {
                   chunk.last_point, chunk.digest.low, chunk.digest.high);
 }
 
-void add(Content& content, const RecordRows& rows) {
-  content.add_all(rows.point, rows.level, rows.generation, rows.numbers, rows.links);
-}
-void add(Content& content, const RequestRows& rows) {
-  content.add_all(rows.point, rows.level, rows.directions, rows.numbers);
-}
-
-template <class Rows>
 void add_rows(Content& content, const Section& section) {
   SectionReader reader(section);
-  Rows rows;
+  Chunk rows;
   for (std::size_t i = 0; i < section.footer.chunks.size(); ++i) {
     reader.read(i, rows);
-    add(content, rows);
+    content.add_all(rows.point, rows.level, rows.generation, rows.links, rows.directions,
+                    rows.numbers);
   }
 }
 
@@ -134,21 +127,18 @@ std::string read_shard(const std::string& name) {
                     section.footer.digest.low, section.footer.digest.high);
     add(content, section.header.spec);
     for (const ChunkInfo& chunk : section.footer.chunks) add(content, chunk);
-    if (section.header.content == hapgrid::Content::kRequests)
-      add_rows<RequestRows>(content, section);
-    else
-      add_rows<RecordRows>(content, section);
+    add_rows(content, section);
   }
   return content.bytes();
 }
 
 /// As stats, verify and play take a grid.
 std::string load(const std::string& name) {
-  const LoadedGrid loaded = load_grid(name);
-  const Grid& grid = loaded.grid;
+  const Section section = open_grid(name);
+  const Grid grid = load_grid(section);
   Content content;
   add(content, grid.spec());
-  content.add_all(grid.generation(), loaded.digest, grid.records());
+  content.add_all(grid.generation(), section.digest(), grid.records());
   for (RecordIndex r = 0; r < grid.records(); ++r)
     content.add_all(grid.point(r), grid.level(r), grid.record_generation(r), grid.row(r),
                     grid.links(r));

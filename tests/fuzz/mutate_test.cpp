@@ -24,7 +24,7 @@ std::string refusal(std::span<const std::uint8_t> shard) {
   try {
     for (const Section& section : open_sections({memory.name()})) {
       SectionReader reader(section);
-      RecordRows rows;
+      Chunk rows;
       for (std::size_t i = 0; i < section.footer.chunks.size(); ++i) reader.read(i, rows);
     }
     return "";

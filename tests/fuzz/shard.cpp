@@ -17,10 +17,9 @@ using namespace hapgrid::fuzz;
 namespace {
 
 /// The rows of a section, chunk by chunk, as expand and merge read them.
-template <class Rows>
 void read_rows(const Section& section) {
   SectionReader reader(section);
-  Rows rows;
+  Chunk rows;
   for (std::size_t i = 0; i < section.footer.chunks.size(); ++i)
     refusable([&] { reader.read(i, rows); });
 }
@@ -59,16 +58,13 @@ void read_shard(std::span<const std::byte> bytes) {
     MemoryFile memory(bytes);
     for (const Section& section : open_sections({memory.name()})) {
       small = small && section.header.spec.box.points() <= 1 << 16;
-      if (section.header.content == Content::kRequests)
-        read_rows<RequestRows>(section);
-      else
-        read_rows<RecordRows>(section);
+      read_rows(section);
     }
   });
   if (!small) return;
   refusable([&] {
     MemoryFile memory(bytes);
-    const Grid grid = load_grid(memory.name()).grid;
+    const Grid grid = load_grid(memory.name());
     check_grid(grid);
     play(grid);
   });
