@@ -114,16 +114,15 @@ void add_checks(CommandLine& app, Options& options) {
   app.add("--sample-seed", asked.sample_seed, "Another number draws other records and walks")
       .type("S")
       .shows_default();
-  app.add("--damping", asked.rendering.damping, "For `steep`: the damping of the device in N s/m")
+  app.add("--damping", asked.damping, "For `steep`: the damping of the device in N s/m")
       .type("B")
       .positive()
       .shows_default();
-  app.add("--rate", asked.rendering.rate_hz, "For `steep`: its ticks a second")
+  app.add("--rate", asked.rate_hz, "For `steep`: its ticks a second")
       .type("HZ")
       .positive()
       .shows_default();
-  app.add("--scale", asked.rendering.scale,
-          "For `steep`: model's units of length for a metre of the hand")
+  app.add("--scale", asked.scale, "For `steep`: model's units of length for a metre of the hand")
       .type("UNITS/M")
       .positive();
 }

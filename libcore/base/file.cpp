@@ -34,7 +34,7 @@ fs::path temporary_directory() {
 }
 
 struct stat status_of(int fd, const std::string& name) {
-  struct stat status {};
+  struct stat status;
   if (::fstat(fd, &status) != 0) fail(name);
   return status;
 }

@@ -43,7 +43,7 @@ FrontierReader::FrontierReader(const Section& grid, Part part)
       reader_(grid) {}
 
 bool FrontierReader::next_chunk() {
-  const std::vector<ChunkInfo>& chunks = grid_.footer.chunks;
+  const std::vector<ChunkInfo>& chunks = grid_.chunks;
   for (; chunk_ < chunks.size(); ++chunk_) {
     const std::uint64_t end = passed_ + chunks[chunk_].conversions;
     if (part_.has_any(all_, passed_, end)) {

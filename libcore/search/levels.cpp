@@ -41,7 +41,7 @@ Levels::Levels(const Section& grid, const Model& model)
   next_.reserve(room);
   SectionReader reader(grid);
   Chunk rows;
-  for (std::size_t i = 0; i < grid.footer.chunks.size(); ++i) {
+  for (std::size_t i = 0; i < grid.chunks.size(); ++i) {
     reader.read(i, rows);
     append(rows);
   }

@@ -37,13 +37,6 @@ struct ChunkInfo {
   Digest digest;  ///< of the message
 };
 
-/// The index of a section.
-struct SectionFooter {
-  std::uint32_t header_size = 0;  ///< of the header's zstd frame
-  std::vector<ChunkInfo> chunks;
-  Digest digest;
-};
-
 /// The last bytes of a section, as they are in memory: they say where its footer is, so that a
 /// reader of a file goes straight to it. A skippable zstd frame, which `zstd -d` passes over.
 struct Locator {

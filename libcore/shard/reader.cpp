@@ -107,7 +107,7 @@ SectionReader::SectionReader(const Section& section)
 void SectionReader::read(std::size_t chunk, Chunk& rows) {
   const SectionHeader& header = section_->header;
   const bool is_grid = header.content == Content::kGrid;
-  const ChunkInfo& info = section_->footer.chunks[chunk];
+  const ChunkInfo& info = section_->chunks[chunk];
   bytes_.resize(info.size);
   bytes_.resize(section_->file->read(info.offset, bytes_));
   try {
@@ -187,7 +187,7 @@ constexpr std::uint64_t kMaxRatio = 4096;
 /// damage gives the same message, whatever the threads.
 template <class Use>
 void for_each_chunk(const Section& section, const Use& use) {
-  const std::vector<ChunkInfo>& chunks = section.footer.chunks;
+  const std::vector<ChunkInfo>& chunks = section.chunks;
   std::vector<std::uint64_t> first(chunks.size());
   for (std::size_t i = 1; i < chunks.size(); ++i) first[i] = first[i - 1] + chunks[i - 1].rows;
   std::atomic<std::size_t> next{0};

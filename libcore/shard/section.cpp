@@ -19,7 +19,7 @@ constexpr std::uint64_t kMaxFooterRatio = 16;
 template <class F>
 std::uint64_t sum(const Section& section, F&& of) {
   std::uint64_t sum = 0;
-  for (const ChunkInfo& chunk : section.footer.chunks) sum += of(chunk);
+  for (const ChunkInfo& chunk : section.chunks) sum += of(chunk);
   return sum;
 }
 
@@ -59,7 +59,9 @@ Digest decode(const InputFile& file, std::uint64_t offset, std::uint64_t size, F
 }
 
 /// Answers where the footer starts.
-std::uint64_t read_footer(const InputFile& file, std::uint64_t end, SectionFooter& footer) {
+std::uint64_t read_footer(Section& section) {
+  const InputFile& file = *section.file;
+  const std::uint64_t end = section.end;
   Locator locator;
   const auto bytes = std::as_writable_bytes(std::span(&locator, 1));
   if (end < bytes.size() || file.read(end - bytes.size(), bytes) != bytes.size() ||
@@ -72,21 +74,21 @@ std::uint64_t read_footer(const InputFile& file, std::uint64_t end, SectionFoote
   const std::uint64_t offset = footer_end - locator.footer;
   decode(file, offset, locator.footer, [&](schema::Message::Reader message) {
     if (!message.isFooter()) throw FormatError("damaged: no footer where there must be one");
-    footer = decode_footer(message.getFooter());
+    decode_footer(message.getFooter(), section);
   });
   return offset;
 }
 
 /// The zstd frames stand one after the other, the header's first, and end where the footer starts.
 void place_chunks(std::uint64_t footer, Section& section) {
-  std::uint64_t size = section.footer.header_size;
-  for (const ChunkInfo& chunk : section.footer.chunks) size += chunk.size;
+  std::uint64_t size = section.header_size;
+  for (const ChunkInfo& chunk : section.chunks) size += chunk.size;
   if (size > footer)
     fail(*section.file, footer,
          "truncated: the footer's section is larger than what stands before it");
   section.begin = footer - size;
-  std::uint64_t offset = section.begin + section.footer.header_size;
-  for (ChunkInfo& chunk : section.footer.chunks) {
+  std::uint64_t offset = section.begin + section.header_size;
+  for (ChunkInfo& chunk : section.chunks) {
     chunk.offset = offset;
     offset += chunk.size;
   }
@@ -94,7 +96,7 @@ void place_chunks(std::uint64_t footer, Section& section) {
 
 void check_order(std::uint64_t footer, const Section& section) {
   const ChunkInfo* before = nullptr;
-  for (const ChunkInfo& chunk : section.footer.chunks) {
+  for (const ChunkInfo& chunk : section.chunks) {
     if (chunk.last_point < chunk.first_point ||
         (before && chunk.first_point < before->last_point) || chunk.frontier > chunk.rows)
       fail(*section.file, footer, "damaged: chunks out of order");
@@ -107,15 +109,15 @@ Section read_section(const std::shared_ptr<const InputFile>& file, std::uint64_t
   Section section;
   section.file = file;
   section.end = end;
-  const std::uint64_t footer = read_footer(*file, end, section.footer);
+  const std::uint64_t footer = read_footer(section);
   place_chunks(footer, section);
-  const Digest header = decode(
-      *file, section.begin, section.footer.header_size, [&](schema::Message::Reader message) {
+  const Digest header =
+      decode(*file, section.begin, section.header_size, [&](schema::Message::Reader message) {
         if (!message.isHeader())
           throw FormatError("damaged: no header where a footer's section starts");
         section.header = decode_header(message.getHeader());
       });
-  if (section_digest(header, section.footer.chunks) != section.footer.digest)
+  if (section_digest(header, section.chunks) != section.digest)
     fail(*file, footer, "damaged: the digest in the footer does not fit the content");
   check_order(footer, section);
   return section;
@@ -123,9 +125,7 @@ Section read_section(const std::shared_ptr<const InputFile>& file, std::uint64_t
 
 }  // namespace
 
-std::string Section::digest() const {
-  return format("{:016x}{:016x}", footer.digest.high, footer.digest.low);
-}
+std::string Section::name() const { return format("{:016x}{:016x}", digest.high, digest.low); }
 std::uint64_t Section::records() const {
   return sum(*this, [](const ChunkInfo& chunk) { return chunk.rows; });
 }

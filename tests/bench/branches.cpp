@@ -87,7 +87,7 @@ struct Played {
   Played(const Grid& grid, const MakeModel& make)
       : map(std::make_shared<const BranchNodes>(grid)),
         records(record_fields(grid, make, 1)),
-        energies(std::make_shared<const NodeEnergies>(grid, map.get(), records)),
+        energies(std::make_shared<const NodeEnergies>(node_energies(grid, records, map.get()))),
         interpolate(!records.energy.empty() && agreement(grid, records).is_good() ? hermite_force
                                                                                   : mean_force),
         fields(grid.spec(), make, true) {}

@@ -24,7 +24,7 @@ Grid playable(const Section& section) {
 }  // namespace
 
 PlayedGrid::PlayedGrid(const Section& section, const ModelOptions& options)
-    : digest(section.digest()),
+    : digest(section.name()),
       grid(playable(section)),
       create([this, path = options.path] {
         return Plugin(spec().model, model_path(path)).create(spec().parameters);

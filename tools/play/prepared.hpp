@@ -27,7 +27,7 @@ struct PlayedGrid {
 
   const GridSpec& spec() const { return grid.spec(); }
 
-  const std::string digest;  ///< Section::digest()
+  const std::string digest;  ///< Section::name()
   const Grid grid;
   const MakeModel create;        ///< the plug-in's
   const MakeModel create_exact;  ///< one that answers as the grid's did, also a process

@@ -113,7 +113,7 @@ std::string grid_page(const std::string& grid, const std::vector<std::string>& p
   camera.azimuth_degrees = render.azimuth_degrees;
   camera.elevation_degrees = render.elevation_degrees;
   const auto create = [&] { return Plugin(spec.model, model_path(path)).create(spec.parameters); };
-  const PackedGrid packed = pack_grid(loaded, name, create, PictureAxes(camera).near);
+  const PackedGrid packed = pack_grid(loaded, name, create, camera.near());
   nlohmann::ordered_json data = page_scene(packed.scene, packed.first, render);
   data["own"] = player_data(packed, grid);
   std::string text = page_text(

@@ -33,7 +33,7 @@ void complete(Frame& frame) {
 }
 
 void offer(FramePublisher& publisher, std::uint64_t tick) {
-  Snapshot& s = publisher.next();
+  Frame& s = publisher.next();
   const auto t = static_cast<double>(tick);
   s.tick = tick;
   s.time_s = t / 1000;

@@ -29,7 +29,7 @@ std::vector<Row> read_rows(const Section& section) {
   std::vector<Row> found;
   SectionReader reader(section);
   Chunk rows;
-  for (std::size_t i = 0; i < section.footer.chunks.size(); ++i) {
+  for (std::size_t i = 0; i < section.chunks.size(); ++i) {
     reader.read(i, rows);
     for (std::size_t r = 0; r < rows.size(); ++r)
       found.push_back(row_of(rows, r, section.header.spec.row_size()));
@@ -74,7 +74,7 @@ TEST_CASE("rows come back from a shard as they were") {
           for (const Row& row : rows) requests += row.state.size() / spec.row_size();
           REQUIRE(section.conversions() == requests);
         }
-        const std::size_t chunks = section.footer.chunks.size();
+        const std::size_t chunks = section.chunks.size();
         REQUIRE((wanted > 1 ? chunks >= 2 : chunks == rows.size()));
         REQUIRE(read_rows(section) == rows);
         // The same rows are the same bytes.
@@ -99,7 +99,7 @@ TEST_CASE("chunks of a grid stay below 64 KiB, or 1 MiB, and keep to their point
       write(dir.file("shard"), header, rows, packing);
       const Section section = open_grid(dir.file("shard"));
       const std::uint32_t points = chunk_points(n, most);
-      for (const ChunkInfo& chunk : section.footer.chunks) {
+      for (const ChunkInfo& chunk : section.chunks) {
         REQUIRE((chunk.rows == 1 || chunk.rows * record_bytes(n) <= most));
         REQUIRE(chunk.first_point / points == chunk.last_point / points);
       }
