@@ -1,4 +1,4 @@
-#include "libcore/scene/publisher.hpp"
+#include "tools/play/publisher.hpp"
 
 #include <limits.h>
 #include <poll.h>
@@ -20,7 +20,7 @@ namespace hapgrid {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using SteadyClock = std::chrono::steady_clock;
 
 constexpr std::chrono::nanoseconds kPeriod{1'000'000'000 / kLiveFramesPerSecond};
 constexpr std::chrono::seconds kLinger{1};
@@ -100,12 +100,12 @@ FrameCounts FramePublisher::finish() {
 
 /// The slow thread.
 void FramePublisher::run(const std::stop_token& token) {
-  const auto start = Clock::now();
-  std::optional<Clock::time_point> patience;
+  const auto start = SteadyClock::now();
+  std::optional<SteadyClock::time_point> patience;
   const GiveUp give_up = [&] {
     if (!token.stop_requested()) return false;
-    if (!patience) patience = Clock::now() + kLinger;
-    return Clock::now() >= *patience;
+    if (!patience) patience = SteadyClock::now() + kLinger;
+    return SteadyClock::now() >= *patience;
   };
   std::unique_lock lock(mutex_);
   write(encoder_.encode(scene_), give_up);
@@ -113,7 +113,7 @@ void FramePublisher::run(const std::stop_token& token) {
     const bool last = token.stop_requested();  // asked first: then nothing newer can come
     const bool was_open = open();
     write_newest(give_up, lock);
-    const auto late = static_cast<std::uint64_t>((Clock::now() - start) / kPeriod);
+    const auto late = static_cast<std::uint64_t>((SteadyClock::now() - start) / kPeriod);
     if (was_open && late > due) counts_.dropped += late - due;
     if (last || !open()) return;
     due = std::max(due, late) + 1;
