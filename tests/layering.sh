@@ -17,7 +17,7 @@ declare -A allowed=(
   [device]="base grid"         # beyond house-style.md: a device's positions are grid's Vec3
   [loop]="base grid device follow"  # of follow/ the interface of a traversal alone
   [scene]="base grid"
-  [session]="base grid"
+  [session]="base grid device"
 )
 
 bad=0

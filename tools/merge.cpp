@@ -35,16 +35,17 @@ std::uint32_t write_small(const std::string& name, const std::string& output) {
 
 std::uint32_t write_merged(const std::vector<std::string>& names, const Options& options) {
   allow_open_files(names.size());
-  const MergeInput input = merge_input(open_sections(names));
+  std::vector<Section> requests = open_sections(names);
+  const Section grid = take_grid(requests);
   for (const std::string& name : names)  // the grid may be replaced by the merged one
-    if ((name == "-" ? "standard input" : name) != input.grid.file->name())
+    if ((name == "-" ? "standard input" : name) != grid.file->name())
       keep_inputs({{"--output", options.output}}, {{name, "requests"}});
-  const auto model = judging_model(input.grid.header.spec, options.model_path);
-  const SectionHeader header = input.merged_header();
+  const auto model = judging_model(grid.header.spec, options.model_path);
+  const SectionHeader header = merged_header(grid);
   OutputFile out(options.output);
   Progress progress;
   {
-    const double all = static_cast<double>(input.grid.conversions());
+    const double all = static_cast<double>(grid.conversions());
     const ProgressLine line([&](double seconds) {
       const double done = static_cast<double>(progress.conversions);
       const double rate = done / std::max(seconds, 1e-3);
@@ -52,7 +53,7 @@ std::uint32_t write_merged(const std::vector<std::string>& names, const Options&
                     part_done(done / std::max(all, 1.0), rate / std::max(all, 1.0)),
                     header.generation, short_number(done), short_number(all), short_number(rate));
     });
-    merge(input, *model, out.fd(), out.name(), progress);
+    merge(grid, requests, *model, out.fd(), out.name(), progress);
   }
   out.commit();
   return header.generation;

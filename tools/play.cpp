@@ -97,12 +97,12 @@ struct Settled {
 /// The settings of a play: those that the user gave, then those that a replay recorded, then the
 /// defaults. @param session of a replay
 Settled settle(const PlayOptions& options, const std::optional<SessionHeader>& session,
-               const LoadedGrid& loaded) {
+               const std::string& grid_digest) {
   Settled settled;
   auto& [settings, rule, beside] = settled;
   if (session) {
     const std::string file = input_file(*options.device);
-    if (session->grid_digest != loaded.digest)
+    if (session->grid_digest != grid_digest)
       say("play", format("{} was recorded with another grid: its forces will be different", file));
     const PlayedWith with = played_with(*session, file);
     settings.safety = with.limits;
@@ -231,7 +231,7 @@ int play(const PlayOptions& options) {
   std::optional<OpenDevice> opened;
   if (!live) opened.emplace(open_it());
   auto [settings, rule, wanted_beside] =
-      settle(options, opened ? opened->session : std::nullopt, grid.loaded);
+      settle(options, opened ? opened->session : std::nullopt, grid.digest);
   Follower follower(grid, rule, wanted_beside, options.beside || !options.model.allowed.empty(),
                     live);
   Beside* const beside = follower.beside.get();
@@ -266,8 +266,7 @@ int play(const PlayOptions& options) {
   PlayedForce played{follower.force, settings.safety.gain, mapping.scale()};
   // As late as possible: an older session of that name is lost now. A signal that came before the
   // first tick leaves it.
-  Log log(caught_signal == 0 ? options.log : "", grid.loaded, grid.fields, rate_hz, loop.paced(),
-          open.ticks,
+  Log log(caught_signal == 0 ? options.log : "", grid, rate_hz, loop.paced(), open.ticks,
           {.limits = settings.safety,
            .scale = mapping.scale(),
            .traversal = rule,

@@ -80,15 +80,15 @@ void show_log(const Options& options) {
 }
 
 /// The report on the whole grid, or one value of it.
-std::string report(const Options& options, const LoadedGrid& loaded) {
+std::string report(const Options& options, const Grid& grid, std::uint64_t stored_bytes) {
   CostSums sums;
   for (const std::string& name : options.costs) {
     announce_terminal(name);
     add_costs(sums, name, read_text(name, kCostLimit));
   }
   const CostSums* costs = options.costs.empty() ? nullptr : &sums;
-  const GridSpec& spec = loaded.grid.spec();
-  const Statistics statistics = count_statistics(loaded.grid, loaded.stored_bytes);
+  const GridSpec& spec = grid.spec();
+  const Statistics statistics = count_statistics(grid, stored_bytes);
   if (options.get.empty() && options.format == "text")
     return printable_text(statistics_text(spec, statistics, costs));
   const Json json = statistics_json(spec, statistics, costs);
@@ -105,9 +105,10 @@ void show_grid(const Options& options) {
   if (!options.get.empty())
     if (const auto value = value_from_footer(options.get, options.grid))
       return write_all(options.output, value_line(*value));
-  const LoadedGrid loaded = load_grid(options.grid);
-  if (!options.npy.empty()) return write_grid_array(loaded.grid, options.npy);
-  write_all(options.output, report(options, loaded));
+  const Section section = open_grid(options.grid);
+  const Grid grid = load_grid(section);
+  if (!options.npy.empty()) return write_grid_array(grid, options.npy);
+  write_all(options.output, report(options, grid, section.size()));
 }
 
 int run(const Options& options) {

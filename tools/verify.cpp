@@ -86,8 +86,8 @@ int run(const Options& options) {
   keep_inputs({{"--output", options.output}},
               {{options.grid, "grid"}, {asked.model.allowed, "definition"}});
   announce_terminal(options.grid);
-  const LoadedGrid loaded = load_grid(options.grid);
-  return tell(loaded.grid, examine(loaded.grid, asked), options);
+  const Grid grid = load_grid(options.grid);
+  return tell(grid, examine(grid, asked), options);
 }
 
 void add_checks(CommandLine& app, Options& options) {
@@ -114,16 +114,15 @@ void add_checks(CommandLine& app, Options& options) {
   app.add("--sample-seed", asked.sample_seed, "Another number draws other records and walks")
       .type("S")
       .shows_default();
-  app.add("--damping", asked.rendering.damping, "For `steep`: the damping of the device in N s/m")
+  app.add("--damping", asked.damping, "For `steep`: the damping of the device in N s/m")
       .type("B")
       .positive()
       .shows_default();
-  app.add("--rate", asked.rendering.rate_hz, "For `steep`: its ticks a second")
+  app.add("--rate", asked.rate_hz, "For `steep`: its ticks a second")
       .type("HZ")
       .positive()
       .shows_default();
-  app.add("--scale", asked.rendering.scale,
-          "For `steep`: model's units of length for a metre of the hand")
+  app.add("--scale", asked.scale, "For `steep`: model's units of length for a metre of the hand")
       .type("UNITS/M")
       .positive();
 }

@@ -34,7 +34,7 @@ fs::path temporary_directory() {
 }
 
 struct stat status_of(int fd, const std::string& name) {
-  struct stat status {};
+  struct stat status;
   if (::fstat(fd, &status) != 0) fail(name);
   return status;
 }
@@ -163,8 +163,9 @@ std::string followed(const std::string& name) {
 }
 
 bool is_special(const std::string& name) {
-  struct stat status {};
-  return ::stat(name.c_str(), &status) == 0 && !S_ISREG(status.st_mode);
+  std::error_code error;
+  const fs::file_status status = fs::status(name, error);
+  return fs::exists(status) && !fs::is_regular_file(status);
 }
 
 }  // namespace

@@ -13,11 +13,9 @@ std::string vformat(fmt::string_view text, fmt::format_args args);
 /// As fmt::format(): format("{}: {} of {} records", name, done, all). The compiler checks the text.
 /// An object and no function: for a function's name the compiler also looks into the namespaces of
 /// the values, and for a std::string it would find std::format there, which GCC has from 13 on.
-inline constexpr struct Format {
-  template <class... Values>
-  std::string operator()(fmt::format_string<Values...> text, Values&&... values) const {
-    return hapgrid::vformat(text, fmt::make_format_args(values...));
-  }
-} format;
+inline constexpr auto format = []<class... Values>(fmt::format_string<Values...> text,
+                                                   Values&&... values) {
+  return hapgrid::vformat(text, fmt::make_format_args(values...));
+};
 
 }  // namespace hapgrid

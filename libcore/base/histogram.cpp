@@ -45,13 +45,4 @@ std::int64_t Histogram::quantile(double p) const {
   return max_;
 }
 
-std::vector<Histogram::Bin> Histogram::bins() const {
-  std::vector<Bin> bins;
-  for (std::size_t i = 0; i < kBins; ++i)
-    if (counts_[i] > 0)
-      bins.push_back({static_cast<std::int64_t>(lower_edge(i)),
-                      static_cast<std::int64_t>(lower_edge(i + 1)), counts_[i]});
-  return bins;
-}
-
 }  // namespace hapgrid

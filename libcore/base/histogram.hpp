@@ -4,8 +4,8 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace hapgrid {
 
@@ -23,13 +23,15 @@ class Histogram {
   /// 1/128 above it, and never above max(). 0 when nothing was added.
   std::int64_t quantile(double p) const;
 
-  struct Bin {
-    std::int64_t from;  ///< inclusive
-    std::int64_t to;    ///< exclusive
-    std::uint64_t count;
-  };
-  /// The bins that are not empty, ascending.
-  std::vector<Bin> bins() const;
+  /// Calls use(from, to, count) for each bin that is not empty, ascending: `count` of the values
+  /// are in [from, to).
+  template <class Use>
+  void for_each_bin(const Use& use) const {
+    for (std::size_t i = 0; i < kBins; ++i)
+      if (counts_[i] > 0)
+        use(static_cast<std::int64_t>(lower_edge(i)), static_cast<std::int64_t>(lower_edge(i + 1)),
+            counts_[i]);
+  }
 
  private:
   static constexpr int kSubBits = 7;  // 128 bins to a doubling

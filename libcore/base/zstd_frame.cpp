@@ -4,8 +4,10 @@
 
 #include <array>
 #include <cstring>
+#include <memory>
 #include <new>
 #include <string_view>
+#include <type_traits>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
@@ -19,13 +21,10 @@ namespace {
 /// can do, which takes longer than a small zstd frame, above all in a virtual machine.
 template <auto kCreate, auto kFree>
 auto* context_of_thread() {
-  struct Context {
-    decltype(kCreate()) zstd = kCreate();
-    ~Context() { kFree(zstd); }
-  };
-  thread_local const Context context;
-  if (!context.zstd) throw std::bad_alloc();
-  return context.zstd;
+  using Zstd = std::remove_pointer_t<decltype(kCreate())>;
+  thread_local const std::unique_ptr<Zstd, decltype(kFree)> context(kCreate(), kFree);
+  if (!context) throw std::bad_alloc();
+  return context.get();
 }
 
 constexpr unsigned char kMagic[] = {0x28, 0xB5, 0x2F, 0xFD};
@@ -48,23 +47,14 @@ bool is_zstd_in_zstd(std::span<const std::byte> start) {
 }  // namespace
 
 const char* outer_compression(const InputFile& file) {
-  struct Kind {
-    const char* name;
-    std::string_view magic;
-  };
-  using namespace std::string_view_literals;
-  static constexpr Kind kKinds[] = {{"gzip", "\x1f\x8b"sv},
-                                    {"bzip2", "BZh"sv},
-                                    {"xz",
-                                     "\xfd"
-                                     "7zX"sv},
-                                    {"zip", "PK\3\4"sv},
-                                    {"lz4", "\x04\x22\x4d\x18"sv}};
   std::vector<std::byte> start(std::size_t{1} << 18);  // a block of zstd, and its header
   start.resize(file.read(0, start));
   const std::string_view text(reinterpret_cast<const char*>(start.data()), start.size());
-  for (const Kind& kind : kKinds)
-    if (text.starts_with(kind.magic)) return kind.name;
+  if (text.starts_with("\x1f\x8b")) return "gzip";
+  if (text.starts_with("BZh")) return "bzip2";
+  if (text.starts_with("\xfd\x37zX")) return "xz";
+  if (text.starts_with("PK\3\4")) return "zip";
+  if (text.starts_with("\x04\x22\x4d\x18")) return "lz4";
   return is_zstd_in_zstd(start) ? "zstd" : "";
 }
 
@@ -95,17 +85,17 @@ std::span<const std::byte> ZstdFrameEncoder::encode(std::span<const std::byte> c
   return {frame_.get(), size};
 }
 
-void ZstdFrameDecoder::decode(std::span<const std::byte> frame, std::uint64_t limit,
-                              MessageWords& words) const {
+void decode_zstd_frame(std::span<const std::byte> frame, std::uint64_t limit, const char* kind,
+                       MessageWords& words) {
   if (frame.empty() || zstd_frame_size(frame) != frame.size())
     throw FormatError("damaged: a zstd frame is cut");
   const unsigned long long size = ZSTD_getFrameContentSize(frame.data(), frame.size());
   if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR)
-    throw FormatError(format("not a {}: a zstd frame without its content's size", kind_));
+    throw FormatError(format("not a {}: a zstd frame without its content's size", kind));
   if (size > limit)
     throw FormatError(format("a message of {} bytes, the limit is {}", size, limit));
   if (size == 0 || size % sizeof(std::uint64_t) != 0)
-    throw FormatError(format("not a {}: no Cap'n Proto message", kind_));
+    throw FormatError(format("not a {}: no Cap'n Proto message", kind));
   words.resize(size / sizeof(std::uint64_t));
   ZSTD_DCtx* const zstd = context_of_thread<ZSTD_createDCtx, ZSTD_freeDCtx>();
   const std::size_t decoded =

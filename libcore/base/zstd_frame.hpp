@@ -41,21 +41,13 @@ class ZstdFrameEncoder {
   std::size_t capacity_ = 0;
 };
 
-/// Decompresses zstd frames.
-class ZstdFrameDecoder {
- public:
-  /// @param kind what the zstd frames are of, for messages: "not a `kind`: ..."
-  explicit ZstdFrameDecoder(const char* kind) : kind_(kind) {}
-
-  /// Decodes a zstd frame without anything behind it into `words` (8-byte aligned, as Cap'n Proto
-  /// wants them).
-  /// @param limit bytes of content that are possible here; a larger claim is refused before any
-  /// memory is taken for it.
-  /// @throw FormatError (without the file's name) when the zstd frame is damaged or too large.
-  void decode(std::span<const std::byte> frame, std::uint64_t limit, MessageWords& words) const;
-
- private:
-  const char* kind_;
-};
+/// Decodes a zstd frame without anything behind it into `words` (8-byte aligned, as Cap'n Proto
+/// wants them).
+/// @param limit bytes of content that are possible here; a larger claim is refused before any
+/// memory is taken for it.
+/// @param kind what the zstd frame is of, for messages: "not a `kind`: ..."
+/// @throw FormatError (without the file's name) when the zstd frame is damaged or too large.
+void decode_zstd_frame(std::span<const std::byte> frame, std::uint64_t limit, const char* kind,
+                       MessageWords& words);
 
 }  // namespace hapgrid

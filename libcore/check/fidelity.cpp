@@ -11,8 +11,8 @@
 #include "libcore/base/random.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/grid/describe.hpp"
-#include "libcore/grid/state_distance.hpp"
 #include "libcore/grid/vec3.hpp"
+#include "libcore/model/state_distance.hpp"
 
 namespace hapgrid {
 
@@ -171,7 +171,6 @@ Check check_fidelity(const Grid& grid, std::span<const RecordIndex> records,
 
 std::string falls_away(Model& model, const GridSpec& spec, std::span<const double> s,
                        const Vec3& x) {
-  StateDistance distance(spec, [&](const double* a, const double* b) { return model.equal(a, b); });
   const Vec3 nudge{kNudge * spec.box.spacing, 0, 0};
   std::string where;
   for (const double side : {1.0, -1.0}) {
@@ -182,7 +181,8 @@ std::string falls_away(Model& model, const GridSpec& spec, std::span<const doubl
     orthonormalise_rotations(spec.equality, pushed);
     if (!model.convert(pushed.data(), x, nudge, beside.data()) ||
         !model.convert(beside.data(), x + nudge, -1 * nudge, ended.data()) ||
-        model.equal(ended.data(), s.data()) || distance(ended, s) < kFallen * distance(pushed, s))
+        model.equal(ended.data(), s.data()) ||
+        state_distance(model, ended, s) < kFallen * state_distance(model, pushed, s))
       return "";
     where +=
         (where.empty() ? "falls to " : " and to ") + state_text(std::span(ended).first(s.size()));

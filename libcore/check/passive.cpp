@@ -29,12 +29,8 @@ Check empty_check() {
   return {"passive", "links", "snaps that lead up, so that a closed walk gains energy", {}};
 }
 
-/// A one-way link along an axis, at both ends of which a branch ends.
-struct SnapLink {
-  RecordIndex from = 0, to = 0;
-  int q = 0, axis = 0, sign = 1;
-  Node end = 0, start = 0;  // where either branch is on the other side; start may be none
-};
+/// A link along an axis, at both ends of which a branch ends.
+using OneWayLink = BranchNodes::OneWayLink;
 
 bool is_finite_node(const NodeEnergy& node) {
   return std::isfinite(node.energy) && std::isfinite(node.slope[0]) &&
@@ -50,50 +46,41 @@ double energy_between(const NodeEnergy& from, const NodeEnergy& to, int axis, in
   return hermite_energy(corners, part);
 }
 
-SnapLink snap_link(const Grid& grid, const BranchNodes& branches, RecordIndex r, int q, int axis) {
-  const Direction towards(q);
-  SnapLink link{.from = r,
-                .to = grid.destination(r, q),
-                .q = q,
-                .axis = axis,
-                .sign = towards.step()[axis],
-                .end = branches.node(r, q)};
-  link.start = branches.node(link.to, towards.opposite().q());
-  return link;
-}
-
-/// What a snap leads up at the part `at` of the link, and what of it is allowed because it is
-/// extrapolated, in newtons times the spacing.
-struct Rise {
-  double up, allowed;
-  bool is_up() const { return !(up <= allowed + kAllowedAtSnap); }
-};
-
-Rise rise_at(const NodeEnergies& nodes, const SnapLink& link, double at) {
-  const int axis = link.axis;
-  const NodeEnergy &from = nodes[link.from], &to = nodes[link.to], &end = nodes[link.end];
-  Rise rise{-energy_between(from, end, axis, link.sign, at), 0};
+/// What a snap leads up at the part `at` of the link, in newtons times the spacing.
+/// @param allowed is set: what of that is allowed because it is extrapolated
+double rise_at(const Grid& grid, const BranchNodes& branches, const NodeEnergies& nodes,
+               const OneWayLink& link, double at, double& allowed) {
+  const auto step = Direction(link.q).step();
+  const int axis = step[0] != 0 ? 0 : step[1] != 0 ? 1 : 2, sign = step[axis];
+  const RecordIndex target = grid.destination(link.from, link.q);
+  const NodeEnergy &from = nodes[link.from], &to = nodes[target];
+  // Where either branch is on the other side; the one behind the snap may be nowhere.
+  const NodeEnergy& end = nodes[branches.node(link.from, link.q)];
+  const Node start = branches.node(target, Direction(link.q).opposite().q());
+  const double up = -energy_between(from, end, axis, sign, at);
+  allowed = 0;
   for (int a = 0; a < 3; ++a)
-    rise.allowed += kRounding * (std::abs(from.slope[a]) + std::abs(to.slope[a]));
+    allowed += kRounding * (std::abs(from.slope[a]) + std::abs(to.slope[a]));
   const auto allow = [&](const NodeEnergy& record, const NodeEnergy& beyond, int way, double part) {
-    rise.allowed +=
-        std::abs(beyond.energy - record.energy - way * record.slope[axis]) * part * part / 2;
+    allowed += std::abs(beyond.energy - record.energy - way * record.slope[axis]) * part * part / 2;
   };
-  allow(from, end, link.sign, at);
-  if (link.start == BranchNodes::kNoNode) {
-    rise.up += to.energy;
-    return rise;
-  }
-  const NodeEnergy& start = nodes[link.start];
-  rise.up += energy_between(start, to, axis, link.sign, at);
-  allow(to, start, -link.sign, 1 - at);
-  return rise;
+  allow(from, end, sign, at);
+  if (start == BranchNodes::kNoNode) return up + to.energy;
+  allow(to, nodes[start], -sign, 1 - at);
+  return up + energy_between(nodes[start], to, axis, sign, at);
 }
+
+bool is_up(double rise, double allowed) { return !(rise <= allowed + kAllowedAtSnap); }
 
 /// At how many of kPlaces places along the link the snap leads up too far.
-int places_up(const NodeEnergies& nodes, const SnapLink& link) {
+int places_up(const Grid& grid, const BranchNodes& branches, const NodeEnergies& nodes,
+              const OneWayLink& link) {
   int up = 0;
-  for (int i = 0; i < kPlaces; ++i) up += rise_at(nodes, link, (i + 0.5) / kPlaces).is_up();
+  for (int i = 0; i < kPlaces; ++i) {
+    double allowed;
+    const double rise = rise_at(grid, branches, nodes, link, (i + 0.5) / kPlaces, allowed);
+    up += is_up(rise, allowed);
+  }
   return up;
 }
 
@@ -103,22 +90,23 @@ std::string unit_of_rises(const GridSpec& spec) {
 
 /// Adds what a snap leads up at the part `at` of its link. The figures of the check are the largest
 /// gain and the largest loss.
-void add_rise(Check& check, const Grid& grid, const NodeEnergies& nodes, const SnapLink& link,
-              double at) {
-  const Rise rise = rise_at(nodes, link, at);
+void add_rise(Check& check, const Grid& grid, const BranchNodes& branches,
+              const NodeEnergies& nodes, const OneWayLink& link, double at) {
+  double allowed;
+  const double rise = rise_at(grid, branches, nodes, link, at, allowed);
   const double h = grid.box().spacing;
   const auto keep_larger = [&](Figure& largest, double value) {
     if (!(value * h > largest.value)) return;
     largest.value = value * h;
     largest.where = "where " + describe_link(grid, link.from, link.q) + " snaps";
   };
-  keep_larger(check.figures[0], rise.up - rise.allowed);
-  keep_larger(check.figures[1], -rise.up);
-  if (!rise.is_up()) return;
+  keep_larger(check.figures[0], rise - allowed);
+  keep_larger(check.figures[1], -rise);
+  if (!is_up(rise, allowed)) return;
   check.found.offend(at_link(grid, link.from, link.q), [&] {
     return format("{}: the snap leads up by {} {}, allowed are {}",
-                  describe_link(grid, link.from, link.q), rounded(rise.up * h),
-                  check.figures[0].unit, rounded((rise.allowed + kAllowedAtSnap) * h));
+                  describe_link(grid, link.from, link.q), rounded(rise * h), check.figures[0].unit,
+                  rounded((allowed + kAllowedAtSnap) * h));
   });
 }
 
@@ -144,8 +132,8 @@ double snap_place(Model& model, std::span<const double> s, const Vec3& x, const 
 }
 
 /// The snaps whose place decides, where the model has them.
-void ask(Check& check, const Grid& grid, const NodeEnergies& nodes,
-         const std::vector<SnapLink>& links, const MakeModel& make_model, int threads) {
+void ask(Check& check, const Grid& grid, const BranchNodes& branches, const NodeEnergies& nodes,
+         const std::vector<OneWayLink>& links, const MakeModel& make_model, int threads) {
   if (links.empty()) return;
   if (!make_model) {
     check.not_proved = format(
@@ -160,14 +148,14 @@ void ask(Check& check, const Grid& grid, const NodeEnergies& nodes,
   models.reserve(static_cast<std::size_t>(threads));
   for (int t = 0; t < threads; ++t) models.push_back(make_model());
   for_each_with_own(links.size(), models, [&](const std::unique_ptr<Model>& model, std::size_t i) {
-    const auto [r, q] = std::pair(links[i].from, links[i].q);
+    const auto& [point, r, q] = links[i];
     places[i] = snap_place(*model, grid.row(r), grid.box().position(grid.point(r)),
                            grid.neighbourhood().shift(q));
     if (std::isnan(places[i])) errors[i] = model->error();
   });
   for (std::size_t i = 0; i < links.size(); ++i) {
     if (errors[i].empty())
-      add_rise(check, grid, nodes, links[i], places[i]);
+      add_rise(check, grid, branches, nodes, links[i], places[i]);
     else
       check.found.offend(at_link(grid, links[i].from, links[i].q), [&] {
         return describe_link(grid, links[i].from, links[i].q) + ": " + errors[i];
@@ -183,7 +171,7 @@ Check check_passive(const Grid& grid, const BranchNodes& branches, const NodeEne
   for (const char* name : {"largest gain", "largest loss"})
     check.figures.push_back({name, 0, unit_of_rises(grid.spec()), ""});
   Findings& found = check.found;
-  std::vector<SnapLink> undecided;
+  std::vector<OneWayLink> undecided;
   for (RecordIndex r = 0; r < grid.records(); ++r)
     for (int axis = 0; axis < 3; ++axis)
       for (const Direction towards : {Direction::up(axis).opposite(), Direction::up(axis)}) {
@@ -198,13 +186,13 @@ Check check_passive(const Grid& grid, const BranchNodes& branches, const NodeEne
           continue;
         }
         if (!grid.is_one_way(r, q)) continue;
-        const SnapLink link = snap_link(grid, branches, r, q, axis);
-        if (const int up = places_up(nodes, link); up > 0 && up < kPlaces)
+        const OneWayLink link{grid.point(target), r, static_cast<std::uint8_t>(q)};
+        if (const int up = places_up(grid, branches, nodes, link); up > 0 && up < kPlaces)
           undecided.push_back(link);
         else
-          add_rise(check, grid, nodes, link, 0.5);
+          add_rise(check, grid, branches, nodes, link, 0.5);
       }
-  ask(check, grid, nodes, undecided, make_model, threads);
+  ask(check, grid, branches, nodes, undecided, make_model, threads);
   return check;
 }
 

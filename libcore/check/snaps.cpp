@@ -11,8 +11,8 @@
 #include "libcore/base/text.hpp"
 #include "libcore/check/invariants.hpp"
 #include "libcore/grid/describe.hpp"
-#include "libcore/grid/state_distance.hpp"
 #include "libcore/grid/vec3.hpp"
+#include "libcore/model/state_distance.hpp"
 
 namespace hapgrid {
 
@@ -143,9 +143,7 @@ Check check_snaps(const Grid& grid, std::span<const RecordIndex> records,
         !model->equal(row.data(), there.data()))
       return;
     if (i >= snaps.size()) {
-      StateDistance distance(grid.spec(),
-                             [&](const double* a, const double* b) { return model->equal(a, b); });
-      distances[i - snaps.size()] = distance(row, there);
+      distances[i - snaps.size()] = state_distance(*model, row, there);
     } else if (!*convert_in_pieces(*model, grid.state(r), x, d, row)) {
       elsewhere[i] = model->error();
     } else if (!model->equal(row.data(), there.data())) {

@@ -11,7 +11,9 @@
 
 namespace hapgrid {
 
-Check check_steep(const Grid& grid, std::span<const Vec3> forces, const Rendering& rendering) {
+Check check_steep(const Grid& grid, std::span<const Vec3> forces, double damping, double rate_hz,
+                  std::optional<double> scale) {
+  const double limit = 2 * damping * rate_hz;  // the largest stable stiffness, N/m
   const GridSpec& spec = grid.spec();
   const double h = grid.box().spacing;
   const std::string a_length = "/" + (spec.length_unit.empty() ? "length" : spec.length_unit);
@@ -54,24 +56,21 @@ Check check_steep(const Grid& grid, std::span<const Vec3> forces, const Renderin
     }
     const double k = std::sqrt(squares);
     stiffness = std::max(stiffness, k);
-    if (rendering.scale && !(k * *rendering.scale < rendering.limit()))
+    if (scale && !(k * *scale < limit))
       check.found.offend(at_record(grid, r), [&] {
-        return format("{}: {} N/m", describe(grid, r), rounded(k * *rendering.scale));
+        return format("{}: {} N/m", describe(grid, r), rounded(k * *scale));
       });
   }
   check.figures = {state};
   if (forces.empty()) return check;
   check.figures.push_back(force);
-  const std::string device =
-      format("K < 2 b f = {} N/m with b = {} N s/m and f = {} Hz", rounded(rendering.limit()),
-             rounded(rendering.damping), rounded(rendering.rate_hz));
-  if (rendering.scale)
-    check.figures.push_back(
-        {"stiffness", stiffness * *rendering.scale, "N/m",
-         (stiffness * *rendering.scale < rendering.limit() ? "stable: " : "not stable: ") +
-             device});
+  const std::string device = format("K < 2 b f = {} N/m with b = {} N s/m and f = {} Hz",
+                                    rounded(limit), rounded(damping), rounded(rate_hz));
+  if (scale)
+    check.figures.push_back({"stiffness", stiffness * *scale, "N/m",
+                             (stiffness * *scale < limit ? "stable: " : "not stable: ") + device});
   else if (stiffness > 0)
-    check.figures.push_back({"largest stable scale", rendering.limit() / stiffness,
+    check.figures.push_back({"largest stable scale", limit / stiffness,
                              (spec.length_unit.empty() ? "lengths" : spec.length_unit) + "/m",
                              device});
   return check;

@@ -19,20 +19,13 @@
 
 namespace hapgrid {
 
-/// What holds the device, and how large the model is on it.
-struct Rendering {
-  double damping = 2;             ///< b, N s/m
-  double rate_hz = 1000;          ///< f
-  std::optional<double> scale{};  ///< model's units of length for a metre of the hand
-
-  /// The largest stable stiffness, N/m.
-  double limit() const { return 2 * damping * rate_hz; }
-};
-
 /// `steep`, a note. Counts records; with a scale, offenders are those around which the force is too
 /// stiff. Figures: the largest slopes of `state` and `force`, and the `stiffness`, or the `largest
 /// stable scale`.
 /// @param forces by record, in newtons; empty: of states alone
-Check check_steep(const Grid& grid, std::span<const Vec3> forces, const Rendering& rendering);
+/// @param damping b, N s/m @param rate_hz f
+/// @param scale model's units of length for a metre of the hand
+Check check_steep(const Grid& grid, std::span<const Vec3> forces, double damping, double rate_hz,
+                  std::optional<double> scale = std::nullopt);
 
 }  // namespace hapgrid

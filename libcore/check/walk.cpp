@@ -11,8 +11,8 @@
 #include "libcore/base/parallel.hpp"
 #include "libcore/base/random.hpp"
 #include "libcore/base/text.hpp"
-#include "libcore/grid/state_distance.hpp"
 #include "libcore/grid/vec3.hpp"
+#include "libcore/model/state_distance.hpp"
 
 namespace hapgrid {
 
@@ -78,18 +78,15 @@ std::uint64_t seed_of(std::uint64_t seed, std::uint64_t walk) {
 /// Walks with one model; for one thread.
 class Walker {
  public:
-  Walker(const Grid& grid, const WalkModels& models)
+  Walker(const Grid& grid, std::unique_ptr<Model> model, std::unique_ptr<Traversal> play)
       : grid_(grid),
         cells_(grid),
-        model_(models.model()),
-        distance_(grid.spec(),
-                  [this](const double* a, const double* b) { return model_->equal(a, b); }),
-        play_(models.traversal()),
+        model_(std::move(model)),
+        fields_(grid.spec(), *model_),
+        play_(std::move(play)),
         row_(grid.spec().row_size()),
         next_(row_.size()),
-        coarse_(row_.size()) {
-    if (models.fields) fields_.emplace(models.fields());
-  }
+        coarse_(row_.size()) {}
 
   Walked walk(std::uint64_t seed) {
     Walked seen;
@@ -121,7 +118,8 @@ class Walker {
     const RecordIndex r = grid_.first(point);
     for (int q = 0; q < kDirections; ++q) {
       const RecordIndex target = grid_.destination(r, q);
-      if (target != Grid::kNoRecord && !distance_.is_same(grid_.row(r), grid_.row(target)))
+      if (target != Grid::kNoRecord &&
+          !model_->equal(grid_.row(r).data(), grid_.row(target).data()))
         return true;
     }
     return false;
@@ -202,14 +200,14 @@ class Walker {
   /// the same, and a stored force has no error.
   bool is_empty(const PlayError& error) const {
     for (int c = 0; c < 8; ++c)
-      if (!distance_.is_same(grid_.row(play_->records()[c]), row_)) return false;
+      if (!model_->equal(grid_.row(play_->records()[c]).data(), row_.data())) return false;
     return !(grid_.spec().stored.force && error.force > 0);
   }
 
-  double off(std::span<const double> row) { return distance_(row_, row); }
+  double off(std::span<const double> row) { return state_distance(*model_, row_, row); }
   double force_off(const Vec3& x, std::span<const double> row) const {
-    if (!fields_) return 0;
-    const double off = length_of(fields_->force(x, row) - fields_->force(x, row_));
+    if (!fields_.has_force()) return 0;
+    const double off = length_of(fields_.force(x, row) - fields_.force(x, row_));
     // A blend may be a state of which the model has no force.
     return std::isnan(off) ? std::numeric_limits<double>::infinity() : off;
   }
@@ -266,9 +264,8 @@ class Walker {
   const Grid& grid_;
   const Cells cells_;
   const std::unique_ptr<Model> model_;
-  StateDistance distance_;
-  std::optional<Fields> fields_;
-  std::unique_ptr<Traversal> play_;
+  const Fields fields_;
+  const std::unique_ptr<Traversal> play_;
   std::vector<double> row_;  // the model's that walked: its state, and what is stored with it
   std::vector<double> next_;
   std::vector<double> coarse_;
@@ -288,9 +285,11 @@ void Walked::add(Walked&& later) {
 }
 
 Walked walk_grid(const Grid& grid, std::uint64_t walks, std::uint64_t seed,
-                 const WalkModels& models, int threads, std::atomic<std::uint64_t>& walks_done) {
+                 const MakeModel& make_model,
+                 const std::function<std::unique_ptr<Traversal>()>& make_traversal, int threads,
+                 std::atomic<std::uint64_t>& walks_done) {
   std::deque<Walker> walkers;
-  for (int t = 0; t < threads; ++t) walkers.emplace_back(grid, models);
+  for (int t = 0; t < threads; ++t) walkers.emplace_back(grid, make_model(), make_traversal());
   std::vector<Walked> found(walks);
   for_each_with_own(found.size(), walkers, [&](Walker& walker, std::size_t w) {
     found[w] = walker.walk(seed_of(seed, w));

@@ -99,16 +99,13 @@ struct Walked {
   void add(Walked&& later);
 };
 
-/// Makes what a walk needs. Each function is called once for each thread, by the calling thread.
-struct WalkModels {
-  MakeModel model;
-  std::function<Fields()> fields;                         ///< empty when there is no force
-  std::function<std::unique_ptr<Traversal>()> traversal;  ///< the rule that play follows
-};
-
 /// @param walks how many. Each depends only on its own number and on `seed`.
+/// @param make_model, make_traversal are called once for each thread, by the calling thread. The
+/// traversal is of the rule that play follows.
 /// @param walks_done counts the walks that are done.
 Walked walk_grid(const Grid& grid, std::uint64_t walks, std::uint64_t seed,
-                 const WalkModels& models, int threads, std::atomic<std::uint64_t>& walks_done);
+                 const MakeModel& make_model,
+                 const std::function<std::unique_ptr<Traversal>()>& make_traversal, int threads,
+                 std::atomic<std::uint64_t>& walks_done);
 
 }  // namespace hapgrid

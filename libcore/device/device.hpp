@@ -2,7 +2,6 @@
 // simulation.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -58,17 +57,6 @@ struct DeviceInfo {
   Vec3 high{0, 0, 0};
   /// The largest magnitude of a force that the device can hold for long, in newtons.
   double max_force = std::numeric_limits<double>::infinity();
-};
-
-/// The box of a device without a handle, which moves the HIP itself, in the model's unit of length.
-struct HipRange {
-  Vec3 start{0, 0, 0};  ///< where the HIP begins
-  Vec3 low{0, 0, 0};    ///< the HIP does not leave the box from here
-  Vec3 high{0, 0, 0};   ///< to here
-
-  double longest_side() const noexcept {
-    return std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
-  }
 };
 
 /// A constructor opens the device, the destructor closes it. The haptic thread calls read(),

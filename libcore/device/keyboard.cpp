@@ -30,11 +30,11 @@ FileDescriptor open_terminal() {
 
 }  // namespace
 
-KeyReader::KeyReader(const HipRange& range, double step)
-    : range_(range), first_step_(step), target_(range.start), step_(step) {}
+KeyReader::KeyReader(const Box& box, const Vec3& start, double step)
+    : box_(box), start_(start), target_(start), first_step_(step), step_(step) {}
 
 void KeyReader::move(int axis, double steps) {
-  target_[axis] = std::clamp(target_[axis] + steps * step_, range_.low[axis], range_.high[axis]);
+  target_[axis] = std::clamp(target_[axis] + steps * step_, box_.origin[axis], box_.high()[axis]);
 }
 
 void KeyReader::obey(unsigned char final_byte, int parameter) {
@@ -99,11 +99,11 @@ void KeyReader::read(unsigned char byte) {
       ++nexts_;
       return;
     case '0':
-      target_ = range_.start;
+      target_ = start_;
       return;
     case '+':
     case '=':
-      step_ = std::min(step_ * kStepFactor, range_.longest_side() / 4);
+      step_ = std::min(step_ * kStepFactor, box_.longest_side() / 4);
       return;
     case '-':
       step_ = std::max(step_ / kStepFactor, first_step_ / 1000);
@@ -113,8 +113,8 @@ void KeyReader::read(unsigned char byte) {
   }
 }
 
-KeyboardDevice::KeyboardDevice(const HipRange& range, double step)
-    : terminal_(open_terminal()), keys_(range, step), position_(range.start) {
+KeyboardDevice::KeyboardDevice(const Box& box, const Vec3& start, double step)
+    : terminal_(open_terminal()), keys_(box, start, step), position_(start) {
   if (::tcgetattr(terminal_.get(), &before_) != 0)
     throw std::system_error(errno, std::generic_category(), "/dev/tty");
   termios mode = before_;
@@ -123,7 +123,7 @@ KeyboardDevice::KeyboardDevice(const HipRange& range, double step)
   mode.c_cc[VTIME] = 0;
   if (::tcsetattr(terminal_.get(), TCSANOW, &mode) != 0)
     throw std::system_error(errno, std::generic_category(), "/dev/tty");
-  for (int a = 0; a < 3; ++a) target_[a] = range.start[a];
+  for (int a = 0; a < 3; ++a) target_[a] = start[a];
   const BlockedSignals blocked;
   listener_ = std::jthread([this](const std::stop_token& token) { listen(token); });
 }

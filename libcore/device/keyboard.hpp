@@ -18,8 +18,9 @@ namespace hapgrid {
 /// Understands the bytes that a terminal sends for keys.
 class KeyReader {
  public:
-  /// @param step how far a key moves the HIP, in the model's unit. Key 0 moves it to range.start.
-  KeyReader(const HipRange& range, double step);
+  /// @param box that the HIP does not leave. @param start where it begins, and key 0 moves it
+  /// @param step how far a key moves it, in the model's unit
+  KeyReader(const Box& box, const Vec3& start, double step);
   /// Reads one byte; a key may send several.
   void read(unsigned char byte);
   const Vec3& target() const { return target_; }
@@ -31,9 +32,9 @@ class KeyReader {
   void obey(unsigned char final_byte, int parameter);
   void move(int axis, double steps);
 
-  HipRange range_;
+  Box box_;
+  Vec3 start_, target_;
   double first_step_;
-  Vec3 target_;
   double step_;
   bool quit_ = false;
   unsigned resets_ = 0;
@@ -46,7 +47,7 @@ class KeyReader {
 class KeyboardDevice : public Device {
  public:
   /// @throw DeviceError when the process has no terminal; std::system_error
-  KeyboardDevice(const HipRange& range, double step);
+  KeyboardDevice(const Box& box, const Vec3& start, double step);
   ~KeyboardDevice() override;
 
   DeviceInfo info() const override { return {.name = "keys"}; }

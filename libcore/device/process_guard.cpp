@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <charconv>
 #include <string_view>
@@ -30,17 +31,13 @@ constexpr auto kHeardTime = 50ms;  // until a guard that can act has said so
 constexpr auto kEndTime = kConfirmTime + kTermTime + 200ms;  // until it must have told how it ended
 constexpr auto kPatience = kLingerTime + kReleaseTime;       // until it must have ended
 
-struct Pair {
-  FileDescriptor ours, theirs;
-
-  explicit Pair(const char* what) {
-    int ends[2];
-    if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0)
-      throw std::system_error(errno, std::generic_category(), what);
-    ours = FileDescriptor(ends[0]);
-    theirs = FileDescriptor(ends[1]);
-  }
-};
+/// The ends of a socket. @param what it is, for messages @throw std::system_error
+std::array<FileDescriptor, 2> open_socket(const char* what) {
+  int ends[2];
+  if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0)
+    throw std::system_error(errno, std::generic_category(), what);
+  return {FileDescriptor(ends[0]), FileDescriptor(ends[1])};
+}
 
 /// @param files become the guard's descriptors 0, 1 and 3. @throw DeviceError
 pid_t spawn(const std::string& program, const int (&files)[3]) {
@@ -89,12 +86,13 @@ std::string receive(int socket, std::chrono::milliseconds patience) noexcept {
 ProcessGuard::ProcessGuard(AdapterProgram program) : program_(std::move(program)) {
   // Where this program was started with SIGCHLD ignored, the kernel would forget how a child ended.
   ::signal(SIGCHLD, SIG_DFL);
-  Pair wire("the adapter's socket"), socket("the guard's socket");
-  guard_ = spawn(program_.guard, {socket.theirs.get(), wire.ours.get(), wire.theirs.get()});
-  wire_ = std::move(wire.ours);
-  socket_ = std::move(socket.ours);
-  socket.theirs = FileDescriptor();
-  wire.theirs = FileDescriptor();
+  auto [wire, adapters_end] = open_socket("the adapter's socket");
+  auto [socket, guards_end] = open_socket("the guard's socket");
+  guard_ = spawn(program_.guard, {guards_end.get(), wire.get(), adapters_end.get()});
+  wire_ = std::move(wire);
+  socket_ = std::move(socket);
+  guards_end = FileDescriptor();
+  adapters_end = FileDescriptor();
   try {
     const std::string answer = ask_guard();
     const std::string_view text = std::string_view(answer).substr(answer.empty() ? 0 : 1);

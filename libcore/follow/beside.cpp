@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "libcore/base/signals.hpp"
-#include "libcore/grid/state_distance.hpp"
 #include "libcore/grid/vec3.hpp"
+#include "libcore/model/state_distance.hpp"
 
 namespace hapgrid {
 
@@ -31,8 +31,6 @@ BesideAnswer empty_answer(const Grid& grid) {
 
 std::vector<double> weights_of(const Grid& grid, const Model& model) {
   constexpr RecordIndex kSamples = 16;
-  StateDistance distance(grid.spec(),
-                         [&](const double* a, const double* b) { return model.equal(a, b); });
   std::vector<double> weights(grid.state_size());
   for (RecordIndex i = 0; i < kSamples; ++i) {
     const auto record = static_cast<RecordIndex>(std::uint64_t{i} * grid.records() / kSamples);
@@ -41,7 +39,7 @@ std::vector<double> weights_of(const Grid& grid, const Model& model) {
     for (std::size_t c = 0; c < weights.size(); ++c) {
       std::vector<double> other = state;
       other[c] += kChange;
-      weights[c] += distance(state, other) / (kChange * kSamples);
+      weights[c] += state_distance(model, state, other) / (kChange * kSamples);
     }
   }
   return weights;

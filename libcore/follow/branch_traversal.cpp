@@ -41,15 +41,6 @@ double disagreement(const std::array<std::uint8_t, 8>& apart,
 
 }  // namespace
 
-/// Which corners two neighbouring cells have in common. Corner k of the old cell is corner k ^
-/// moved of the new one.
-struct BranchTraversal::Common {
-  int moved = 0;  // bits of the axes of the move
-  int side = 0;   // and of those along which it goes up
-
-  bool has(int corner) const { return ((corner ^ side) & moved) == 0; }
-};
-
 BranchTraversal::BranchTraversal(const Grid& grid, std::shared_ptr<const BranchNodes> branches,
                                  std::uint16_t most_parts)
     : Traversal(grid, most_parts),
@@ -160,23 +151,16 @@ void BranchTraversal::enter_branch(const Branch& branch) noexcept {
 /// Changes to the branch's corners in the next cell. False when a link is missing: then nothing
 /// changes.
 bool BranchTraversal::cross(const CellWalk::Part& way) noexcept {
-  // The corners that both cells have. Along an axis of the move they are on the one side of the old
-  // cell and on the other side of the new one.
-  const auto d = Direction(way.q).step();
-  Common common;
-  for (int a = 0; a < 3; ++a) {
-    common.moved |= (d[a] != 0) << a;
-    common.side |= (d[a] > 0) << a;
-  }
-  const int beside = (anchor_ & ~common.moved) | (common.side & common.moved);
+  const CellSwitch& move = kCellSwitches[way.q];
+  const int beside = (anchor_ & ~move.moved) | (move.side & move.moved);
   if (!is_torn_ && !is_mixed_ && branches_->has_one_branch_around(nodes_[beside]))
-    return cross_on_one_branch(way, beside, common);
+    return cross_on_one_branch(way, beside, move);
   Branch next;
   // On the common face, edge or vertex.
   const Vec3 part = walk_.part_of_cell(walk_.nearest_in_cell(way.to));
-  const int from = common_record(common, part);
-  if (from < 0 ? !cross_by_snap(way.base, beside, common)
-               : !derive(way.base, nodes_[from], from ^ common.moved, next))
+  const int from = common_record(move, part);
+  if (from < 0 ? !cross_by_snap(way.base, beside, move)
+               : !derive(way.base, nodes_[from], from ^ move.moved, next))
     return false;
   count_switch(way);
   if (from < 0) {
@@ -186,18 +170,18 @@ bool BranchTraversal::cross(const CellWalk::Part& way) noexcept {
   if (next.is_mixed) {
     std::array<Node, 8> kept;
     for (int k = 0; k < 8; ++k)
-      kept[k] = common.has(k ^ common.moved) ? nodes_[k ^ common.moved] : BranchNodes::kNoNode;
+      kept[k] = move.keeps(k ^ move.moved) ? nodes_[k ^ move.moved] : BranchNodes::kNoNode;
     // On the common face, edge or vertex, as seen from the new cell.
     Vec3 at = part;
     for (int a = 0; a < 3; ++a)
-      if (d[a] != 0) at[a] = d[a] > 0 ? 0 : 1;
+      if (move.moved >> a & 1) at[a] = move.side >> a & 1 ? 0 : 1;
     find_better(way.base, corner_weights(at), kept, next);
   }
   const std::array<const double*, 8> before = rows_;
   std::array<const double*, 8> after = before;
   enter_branch(next);
   for (int k = 0; k < 8; ++k)
-    if (common.has(k)) after[k] = rows_[k ^ common.moved];
+    if (move.keeps(k)) after[k] = rows_[k ^ move.moved];
   if (after != before) keep_state(before, corner_weights(part), after);
   return true;
 }
@@ -205,17 +189,17 @@ bool BranchTraversal::cross(const CellWalk::Part& way) noexcept {
 /// Around most records there is one branch: then any common corner will do as the anchor, and what
 /// the cells have in common stays.
 bool BranchTraversal::cross_on_one_branch(const CellWalk::Part& way, int beside,
-                                          const Common& common) noexcept {
+                                          const CellSwitch& move) noexcept {
   const Cells& cells = walk_.cells();
   const auto links = grid_.links(nodes_[beside]);
-  const int anchor = cells.distinct(beside ^ common.moved);
+  const int anchor = cells.distinct(beside ^ move.moved);
   std::array<Node, 8> nodes;
   std::array<const double*, 8> rows;
   for (int k = 0; k < 8; ++k) {
-    const int before = k ^ common.moved;
+    const int before = k ^ move.moved;
     nodes[k] = nodes_[before];
     rows[k] = rows_[before];
-    if (common.has(before)) continue;
+    if (move.keeps(before)) continue;
     nodes[k] = cells.destination(links, kBetweenCorners[anchor][cells.distinct(k)], way.base, k);
     if (nodes[k] == BranchNodes::kNoNode) return false;
     rows[k] = grid_.row(nodes[k]).data();
@@ -234,11 +218,11 @@ bool BranchTraversal::cross_on_one_branch(const CellWalk::Part& way, int beside,
 
 /// Where the branch does not reach into the new cell: to where the anchor's link leads.
 /// @param to the corner of the old cell, common to both, to which it leads
-bool BranchTraversal::cross_by_snap(PointIndex base, int to, const Common& common) noexcept {
+bool BranchTraversal::cross_by_snap(PointIndex base, int to, const CellSwitch& move) noexcept {
   const RecordIndex anchor =
       walk_.cells().destination(nodes_[anchor_], kBetweenCorners[anchor_][to], walk_.base(), to);
   Branch next;
-  if (anchor == Grid::kNoRecord || !derive(base, anchor, to ^ common.moved, next)) return false;
+  if (anchor == Grid::kNoRecord || !derive(base, anchor, to ^ move.moved, next)) return false;
   enter_branch(next);
   offset_.end();
   return true;
@@ -246,12 +230,12 @@ bool BranchTraversal::cross_by_snap(PointIndex base, int to, const Common& commo
 
 /// The anchor, if the cells have it in common, else the common record that is nearest to the HIP;
 /// -1 where they have none in common.
-int BranchTraversal::common_record(const Common& common, const Vec3& part) const noexcept {
-  if (common.has(anchor_)) return anchor_;
+int BranchTraversal::common_record(const CellSwitch& move, const Vec3& part) const noexcept {
+  if (move.keeps(anchor_)) return anchor_;
   double nearest = std::numeric_limits<double>::infinity();
   int from = -1;
   for (int k = 0; k < 8; ++k) {
-    if (!common.has(k) || branches_->is_ghost(nodes_[k]) || distance2(part, k) >= nearest) continue;
+    if (!move.keeps(k) || branches_->is_ghost(nodes_[k]) || distance2(part, k) >= nearest) continue;
     nearest = distance2(part, k);
     from = k;
   }

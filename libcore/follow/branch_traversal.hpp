@@ -60,7 +60,6 @@ class BranchTraversal final : public Traversal {
     bool is_mixed = false;                // other corners are not of one branch themselves
     std::array<std::uint8_t, 8> apart{};  // and which: BranchNodes::apart()
   };
-  struct Common;
   bool take(int nearest, Level level, bool chosen) noexcept;
   bool cross(const CellWalk::Part& way) noexcept;
   void arrive() noexcept;
@@ -68,9 +67,9 @@ class BranchTraversal final : public Traversal {
   void evaluate() noexcept;
   bool derive(PointIndex base, RecordIndex anchor, int corner, Branch& branch) const noexcept;
   void enter_branch(const Branch& branch) noexcept;
-  bool cross_on_one_branch(const CellWalk::Part& way, int beside, const Common& common) noexcept;
-  bool cross_by_snap(PointIndex base, int to, const Common& common) noexcept;
-  int common_record(const Common& common, const Vec3& part) const noexcept;
+  bool cross_on_one_branch(const CellWalk::Part& way, int beside, const CellSwitch& move) noexcept;
+  bool cross_by_snap(PointIndex base, int to, const CellSwitch& move) noexcept;
+  int common_record(const CellSwitch& move, const Vec3& part) const noexcept;
   bool decide_by_grid() noexcept;
   bool snap(const Vec3& part) noexcept;
   bool find_better(PointIndex base, const std::array<double, 8>& weights,

@@ -48,27 +48,15 @@ struct NodeEnergy {
 /// extrapolated linearly, and the energy is that of the records beside it and the mean slope on the
 /// way. It is at least that of the records to which the links lead, since no model snaps to a state
 /// of more energy: else a hand that goes in a circle through the snap would gain energy.
-class NodeEnergies {
- public:
-  /// Of the records alone.
-  NodeEnergies(const Grid& grid, const RecordFields& fields);
-  /// @param branches of this grid; null: there are no ghosts.
-  NodeEnergies(const Grid& grid, const BranchNodes* branches, const RecordFields& fields)
-      : NodeEnergies(grid, fields) {
-    if (branches) add_ghosts(grid, *branches);
-  }
-  void add_ghosts(const Grid& grid, const BranchNodes& branches);
+using NodeEnergies = std::vector<NodeEnergy>;
 
-  const NodeEnergy& operator[](Node node) const noexcept { return nodes_[node]; }
-  /// The largest force of a node, in newtons.
-  double largest_force() const;
-
- private:
-  void add_mixed(const Grid& grid, RecordIndex r);
-  NodeEnergy of_ghost(const Grid& grid, const BranchNodes& branches, Node ghost) const;
-
-  std::vector<NodeEnergy> nodes_;
-};
+/// @param branches of this grid; null: of the records alone.
+NodeEnergies node_energies(const Grid& grid, const RecordFields& fields,
+                           const BranchNodes* branches = nullptr);
+/// To those of the records.
+void add_ghosts(NodeEnergies& nodes, const Grid& grid, const BranchNodes& branches);
+/// The largest force of a node, in newtons.
+double largest_force(const NodeEnergies& nodes);
 
 /// The nodes of the corners i + 2j + 4k of a cell.
 using NodeCorners = std::array<const NodeEnergy*, 8>;

@@ -1,6 +1,7 @@
 // The area of interest A (Sect. 2.1): a rectangular box of grid points with one spacing.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -40,6 +41,14 @@ struct Box {
     return {origin[0] + spacing * c[0], origin[1] + spacing * c[1], origin[2] + spacing * c[2]};
   }
   Vec3 position(PointIndex p) const { return position(coordinates(p)); }
+  /// The position of the last point.
+  Vec3 high() const {
+    return position(GridCoordinates{counts[0] - 1, counts[1] - 1, counts[2] - 1});
+  }
+  double longest_side() const {
+    const Vec3 top = high();
+    return std::max({top[0] - origin[0], top[1] - origin[1], top[2] - origin[2]});
+  }
 
   friend bool operator==(const Box&, const Box&) = default;
 };

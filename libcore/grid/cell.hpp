@@ -15,6 +15,12 @@ struct CellSwitch {
   static constexpr std::uint8_t kKept = 255;
   std::array<std::uint8_t, 8> from{};
   std::array<std::uint8_t, 8> direction{};
+  /// Bits of the axes of the move, and of those along which it goes up. Corner k of the old cell,
+  /// if the new one has it, is corner k ^ moved there.
+  int moved = 0, side = 0;
+
+  /// Whether the new cell has a corner of the old one.
+  bool keeps(int old_corner) const { return ((old_corner ^ side) & moved) == 0; }
 };
 
 namespace cell_detail {
@@ -37,6 +43,10 @@ constexpr std::array<CellSwitch, kDirections> cell_switches() {
   std::array<CellSwitch, kDirections> switches{};
   for (int q = 0; q < kDirections; ++q) {
     const auto move = Direction(q).step();
+    for (int a = 0; a < 3; ++a) {
+      switches[q].moved |= (move[a] != 0) << a;
+      switches[q].side |= (move[a] > 0) << a;
+    }
     for (int corner = 0; corner < 8; ++corner) {
       int from = 0;
       std::array<int, 3> d{};

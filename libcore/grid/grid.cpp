@@ -44,26 +44,6 @@ Links make_links(const Level* levels, DirectionMask inside) {
   return links;
 }
 
-std::uint32_t LinkTable::add(const Links& links) {
-  // Neighbours are mostly alike.
-  if (last_ < entries_.size() && entries_[last_] == links) return last_;
-  const auto [found, is_new] =
-      number_of_.try_emplace(links, static_cast<std::uint32_t>(entries_.size()));
-  if (is_new) entries_.push_back(links);
-  return last_ = found->second;
-}
-
-std::size_t LinkTable::Hash::operator()(const Links& links) const noexcept {
-  // The bytes behind `usable` are padding, which has any value.
-  const auto bytes = std::as_bytes(std::span(&links, 1));
-  return digest_of(bytes.first(offsetof(Links, usable) + sizeof(links.usable))).low;
-}
-
-void LinkTable::finish() {
-  number_of_ = {};
-  entries_.shrink_to_fit();
-}
-
 Grid::Grid(GridSpec spec, std::uint32_t generation)
     : spec_(std::move(spec)),
       neighbourhood_(spec_.box),
@@ -123,8 +103,18 @@ void require_possible(const Box& box, std::uint64_t records) {
                points, records, kMostlyEmptyPoints, kPointsARecord));
 }
 
+namespace {
+
+std::size_t hash_of(const Links& links) {
+  // The bytes behind `usable` are padding, which has any value.
+  const auto bytes = std::as_bytes(std::span(&links, 1));
+  return digest_of(bytes.first(offsetof(Links, usable) + sizeof(links.usable))).low;
+}
+
+}  // namespace
+
 GridBuilder::GridBuilder(GridSpec spec, std::uint32_t generation, std::uint64_t records)
-    : grid_(std::move(spec), generation) {
+    : grid_(std::move(spec), generation), numbers_(0, hash_of) {
   require_possible(grid_.box(), records);
   grid_.point_.resize(records);
   grid_.generation_of_.resize(records);
@@ -155,18 +145,21 @@ void GridBuilder::add_links(std::uint64_t first, std::size_t count, const Level*
     const DirectionMask inside = grid_.neighbourhood_.inside(grid_.point_[first + r]);
     const bool is_as_before = r > 0 && inside == inside_before &&
                               std::equal(levels, levels + kDirections, levels - kDirections);
-    std::uint32_t& number = grid_.links_of_[first + r];
-    if (is_as_before) {
-      number = grid_.links_of_[first + r - 1];
-    } else {
-      const Links made = make_links(levels, inside);
-      const Lock lock(mutex_);
-      number = grid_.table_.add(made);
-    }
+    grid_.links_of_[first + r] =
+        is_as_before ? grid_.links_of_[first + r - 1] : number_of(make_links(levels, inside));
     inside_before = inside;
   }
-  const Lock lock(mutex_);
   added_ += count;
+}
+
+std::uint32_t GridBuilder::number_of(const Links& links) {
+  std::vector<Links>& known = grid_.distinct_links_;
+  // Neighbours are mostly alike.
+  if (last_ < known.size() && known[last_] == links) return last_;
+  const auto [found, is_new] =
+      numbers_.try_emplace(links, static_cast<std::uint32_t>(known.size()));
+  if (is_new) known.push_back(links);
+  return last_ = found->second;
 }
 
 Grid GridBuilder::finish() {
@@ -177,7 +170,8 @@ Grid GridBuilder::finish() {
   for (RecordIndex r = 0; r < grid_.records(); ++r)
     while (grid_.first_.size() <= grid_.point_[r]) grid_.first_.push_back(r);
   grid_.first_.resize(points + 1, grid_.records());
-  grid_.table_.finish();
+  grid_.distinct_links_.shrink_to_fit();
+  numbers_.clear();
   level_ = {};
   return std::move(grid_);
 }

@@ -7,7 +7,6 @@
 #include <unordered_map>
 #include <vector>
 
-#include "libcore/base/mutex.hpp"
 #include "libcore/grid/direction.hpp"
 #include "libcore/grid/spec.hpp"
 
@@ -24,27 +23,6 @@ struct alignas(32) Links {
 
 /// @param levels 26 @param inside the directions that stay in the box
 Links make_links(const Level* levels, DirectionMask inside);
-
-/// Distinct Links, numbered in the order in which they came: most records of a grid have the same
-/// links as their neighbours.
-class LinkTable {
- public:
-  /// The number of an entry that equals `links`, which is added if there is none.
-  std::uint32_t add(const Links& links);
-  const Links& operator[](std::uint32_t number) const { return entries_[number]; }
-  std::size_t size() const { return entries_.size(); }
-  /// Frees what only add() needs.
-  void finish();
-
- private:
-  struct Hash {
-    std::size_t operator()(const Links& links) const noexcept;
-  };
-
-  std::vector<Links> entries_;
-  std::unordered_map<Links, std::uint32_t, Hash> number_of_;
-  std::uint32_t last_ = 0;
-};
 
 /// The position of a record in a Grid; records ascend by (point, level).
 using RecordIndex = std::uint32_t;
@@ -106,7 +84,7 @@ class Grid {
     return {rows_.data() + std::size_t{r} * row_size_, row_size_};
   }
   std::span<const Level, kDirections> links(RecordIndex r) const {
-    return table_[links_of_[r]].level;
+    return distinct_links_[links_of_[r]].level;
   }
   /// Brings what destination() reads of a record, and of a point, into the cache. Real-time safe.
   void fetch_links(RecordIndex r) const noexcept { __builtin_prefetch(links_of_.data() + r); }
@@ -116,7 +94,7 @@ class Grid {
   /// The record to which direction q leads from record r; kNoRecord when the direction leaves the
   /// box, is not settled, or leads to a level that does not exist. Real-time safe, as the next two.
   RecordIndex destination(RecordIndex r, int q) const {
-    const Links& links = table_[links_of_[r]];
+    const Links& links = distinct_links_[links_of_[r]];
     if (!(links.usable >> q & 1)) return kNoRecord;
     const auto target = static_cast<PointIndex>(point_[r] + neighbourhood_.offset(q));
     return links.level[q] < levels(target) ? first_[target] + links.level[q] : kNoRecord;
@@ -149,9 +127,9 @@ class Grid {
   std::vector<PointIndex> point_;
   std::vector<std::uint32_t> generation_of_;
   std::vector<double> rows_;             // records x row_size
-  std::vector<std::uint32_t> links_of_;  // numbers in table_
-  LinkTable table_;
-  std::vector<RecordIndex> first_;  // points + 1
+  std::vector<std::uint32_t> links_of_;  // numbers in distinct_links_
+  std::vector<Links> distinct_links_;    // most records have the same links as their neighbours
+  std::vector<RecordIndex> first_;       // points + 1
 };
 
 /// The one rule for how many records a box has, before memory is taken for its points: a header can
@@ -166,8 +144,8 @@ class GridBuilder {
   /// @param generation the round that wrote the grid. @param records how many there will be.
   GridBuilder(GridSpec spec, std::uint32_t generation, std::uint64_t records);
 
-  /// Sets the records from record `first` on. Runs come in any order, and several threads may add
-  /// different runs at once. @throw FormatError when a run does not fit the grid.
+  /// Sets the records from record `first` on. Runs come in any order.
+  /// @throw FormatError when a run does not fit the grid.
   void add(std::uint64_t first, const RecordRun& run);
   /// The grid; this object is empty then.
   /// @throw FormatError when the records are not a grid's, or far too few.
@@ -176,11 +154,14 @@ class GridBuilder {
  private:
   /// Sets the links of `count` records from record `first` on, whose points are set.
   void add_links(std::uint64_t first, std::size_t count, const Level* links);
+  /// The number of these links in the grid, which are added if they are new.
+  std::uint32_t number_of(const Links& links);
 
   Grid grid_;
   std::vector<Level> level_;  // by record, to be checked
   std::uint64_t added_ = 0;   // records
-  Mutex mutex_;               // of added_ and of the grid's table of links
+  std::unordered_map<Links, std::uint32_t, std::size_t (*)(const Links&)> numbers_;
+  std::uint32_t last_ = 0;  // number that was given
 };
 
 }  // namespace hapgrid

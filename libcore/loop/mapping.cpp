@@ -36,8 +36,8 @@ Mapping::Mapping(const MappingOptions& options, const DeviceInfo& device, const 
   if (!finite(options.offset)) throw Error("mapping: the offset must be finite");
   if (!is_signed_permutation(options.axes))
     throw Error("mapping: the axes must name each of x, y and z once");
-  low_ = box.position({0, 0, 0});
-  high_ = box.position({box.counts[0] - 1, box.counts[1] - 1, box.counts[2] - 1});
+  low_ = box.origin;
+  high_ = box.high();
   Vec3 middle, side;
   for (int a = 0; a < 3; ++a) {
     middle[a] = (low_[a] + high_[a]) / 2 + options.offset[a];

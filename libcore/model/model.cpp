@@ -12,32 +12,6 @@
 
 namespace hapgrid {
 
-namespace {
-
-class DeclaredModel final : public Model {
- public:
-  explicit DeclaredModel(ModelInfo info) : Model(std::move(info)) {}
-
-  std::vector<double> known_states(const Vec3&) override {
-    throw ModelError(format("known states: {}", kNotStarted));
-  }
-  bool convert(const double*, const Vec3&, const Vec3&, double*) override { return fail(); }
-  bool complete(const Vec3&, double*) override { return fail(); }
-  bool equal(const double* a, const double* b) const override {
-    return are_equal(info().equality, info().tolerance, state_size(), a, b);
-  }
-
- private:
-  static constexpr const char* kNotStarted = "this model's process was not started";
-
-  bool fail() {
-    error_ = kNotStarted;
-    return false;
-  }
-};
-
-}  // namespace
-
 bool is_valid_name(const std::string& name) {
   if (name.empty() || name.size() > 100 || name[0] == '-') return false;
   for (const char c : name)
@@ -65,6 +39,25 @@ void ModelInfo::validate() const {
   for (const Sphere& sphere : spheres)
     if (!std::isfinite(sphere.radius) || sphere.radius < 0)
       throw ModelError("a sphere whose radius is negative or not finite");
+}
+
+namespace {
+constexpr char kNotStarted[] = "this model's process was not started";
+}  // namespace
+
+std::vector<double> Model::known_states(const Vec3&) {
+  throw ModelError(format("known states: {}", kNotStarted));
+}
+
+bool Model::convert(const double*, const Vec3&, const Vec3&, double*) {
+  error_ = kNotStarted;
+  return false;
+}
+
+bool Model::complete(const Vec3&, double* row) { return convert(row, {}, {}, row); }
+
+bool Model::equal(const double* a, const double* b) const {
+  return are_equal(info_.equality, info_.tolerance, info_.state_size, a, b);
 }
 
 void Model::convert_all(const NextConversion& next, const ConversionDone& done) {
@@ -105,7 +98,7 @@ std::vector<std::unique_ptr<Model>> make_models(const MakeModel& make_model, int
 
 std::unique_ptr<Model> declared_model(const GridSpec& spec) {
   ModelInfo info{spec, /*d_max=*/std::numeric_limits<double>::infinity(), 0, 0, {}};
-  return std::make_unique<DeclaredModel>(std::move(info));
+  return std::make_unique<Model>(std::move(info));
 }
 
 }  // namespace hapgrid

@@ -54,9 +54,11 @@ using NextConversion = std::function<bool(Conversion&, bool idle)>;
 /// success.
 using ConversionDone = std::function<void(const Conversion&, std::string_view error)>;
 
-/// One model, for one thread at a time.
+/// One model, for one thread at a time. This class itself is a model process as it describes
+/// itself: it can only compare states, and no process is started.
 class Model {
  public:
+  explicit Model(ModelInfo info) : info_(std::move(info)), row_size_(info_.row_size()) {}
   virtual ~Model() = default;
   Model(const Model&) = delete;
   Model& operator=(const Model&) = delete;
@@ -70,16 +72,16 @@ class Model {
 
   /// The states known a priori at x, one after the other (count x n doubles).
   /// @throw ModelError
-  virtual std::vector<double> known_states(const Vec3& x) = 0;
+  virtual std::vector<double> known_states(const Vec3& x);
   /// Writes C(s, x, d), and what is stored with the state reached, into `row` (row_size() doubles).
   /// Returns whether it succeeded and every number is finite. After a failure error() says what
   /// went wrong. It throws nothing, because this is the inner loop of the search.
-  virtual bool convert(const double* s, const Vec3& x, const Vec3& d, double* row) = 0;
+  virtual bool convert(const double* s, const Vec3& x, const Vec3& d, double* row);
   /// Makes all conversions that `next` gives.
   virtual void convert_all(const NextConversion& next, const ConversionDone& done);
   /// Fills in what is stored with the state at the beginning of `row`, for the HIP at x. Returns
   /// the same as convert().
-  virtual bool complete(const Vec3& x, double* row) = 0;
+  virtual bool complete(const Vec3& x, double* row);
   /// The message of the last call that failed.
   const std::string& error() const { return error_; }
   /// Tells the model that no question follows: a process can then end while others still work.
@@ -92,7 +94,7 @@ class Model {
   virtual std::uint64_t memory_bytes() const;
 
   /// The tolerance function. Real-time safe.
-  virtual bool equal(const double* a, const double* b) const = 0;
+  virtual bool equal(const double* a, const double* b) const;
 
   /// Whether the model can be asked for them in the haptic loop. A process cannot.
   virtual bool has_force() const { return false; }
@@ -113,8 +115,6 @@ class Model {
   virtual void shape(const Vec3& x, const double* s, std::span<float> centres) const;
 
  protected:
-  explicit Model(ModelInfo info) : info_(std::move(info)), row_size_(info_.row_size()) {}
-
   std::string error_;
 
  private:
@@ -144,8 +144,7 @@ class ModelSource {
   }
 };
 
-/// A model process as the header of a grid describes it. It can only compare states; no process is
-/// started.
+/// A model process as the header of a grid describes it.
 std::unique_ptr<Model> declared_model(const GridSpec& spec);
 
 }  // namespace hapgrid

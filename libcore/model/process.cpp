@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <filesystem>
@@ -35,22 +36,20 @@ constexpr int kStandardStreams = 3;
   throw std::system_error(errno, std::generic_category(), what);
 }
 
-struct Pipe {
-  FileDescriptor read, write;
-  Pipe() {
-    int ends[2];
-    if (::pipe2(ends, O_CLOEXEC) != 0) fail_by_errno();
-    read = FileDescriptor(ends[0]);
-    write = FileDescriptor(ends[1]);
-    // Where this program was started without standard streams, the pipe has got their numbers, and
-    // the child would overwrite it.
-    for (FileDescriptor* end : {&read, &write})
-      if (end->get() < kStandardStreams) {
-        *end = FileDescriptor(::fcntl(end->get(), F_DUPFD_CLOEXEC, kStandardStreams));
-        if (!*end) fail_by_errno();
-      }
-  }
-};
+/// The ends of a pipe: for reading and for writing.
+std::array<FileDescriptor, 2> open_pipe() {
+  int fds[2];
+  if (::pipe2(fds, O_CLOEXEC) != 0) fail_by_errno();
+  std::array<FileDescriptor, 2> ends{FileDescriptor(fds[0]), FileDescriptor(fds[1])};
+  // Where this program was started without standard streams, the pipe has got their numbers, and
+  // the child would overwrite it.
+  for (FileDescriptor& end : ends)
+    if (end.get() < kStandardStreams) {
+      end = FileDescriptor(::fcntl(end.get(), F_DUPFD_CLOEXEC, kStandardStreams));
+      if (!end) fail_by_errno();
+    }
+  return ends;
+}
 
 /// What the child does between vfork and exec, where only calls that are safe in a signal handler
 /// are allowed, and all memory is this program's. Writes errno to `failed` when it cannot become
@@ -76,21 +75,23 @@ struct Pipe {
 Child start_child(const std::string& file, std::vector<std::string> words,
                   const std::string& directory) {
   const std::vector<char*> arguments = argument_list(words);
-  Pipe input, output, errors, failed;
-  const int streams[] = {input.read.get(), output.write.get(), errors.write.get()};
+  auto [childs_input, input] = open_pipe();
+  auto [output, childs_output] = open_pipe();
+  auto [errors, childs_errors] = open_pipe();
+  auto [failed, childs_failed] = open_pipe();
+  const int streams[] = {childs_input.get(), childs_output.get(), childs_errors.get()};
   const pid_t parent = ::getpid();
   // fork() would copy the tables of all memory, which play has locked: its loop would have to wait.
   const pid_t pid = ::vfork();
   if (pid < 0) fail_by_errno();
   if (pid == 0)
-    become(file.c_str(), arguments.data(), directory.c_str(), streams, failed.write.get(), parent);
-  failed.write = FileDescriptor();  // exec closes the child's
+    become(file.c_str(), arguments.data(), directory.c_str(), streams, childs_failed.get(), parent);
+  childs_failed = FileDescriptor();  // exec closes the child's own
   int error = 0;
   ssize_t got;
-  do got = ::read(failed.read.get(), &error, sizeof error);
+  do got = ::read(failed.get(), &error, sizeof error);
   while (got < 0 && errno == EINTR);
-  if (got <= 0)
-    return {pid, std::move(input.write), std::move(output.read), std::move(errors.read)};
+  if (got <= 0) return {pid, std::move(input), std::move(output), std::move(errors)};
   while (::waitpid(pid, nullptr, 0) < 0 && errno == EINTR) {
   }
   throw Error(format("cannot be started in {}: {}",
@@ -142,10 +143,8 @@ constexpr auto kEndingGrace = 1s;              // from the end of its output to 
 
 /// The file to execute. It is looked up here because hardly any call is allowed between vfork and
 /// exec.
-fs::path find_program(const Command& command) {
-  const std::string& program = command.words.at(0);
-  if (program.find('/') != std::string::npos)
-    return fs::current_path() / command.directory / program;
+fs::path find_program(const std::string& program, const fs::path& directory) {
+  if (program.find('/') != std::string::npos) return fs::current_path() / directory / program;
   const char* path = std::getenv("PATH");
   std::string_view left = path ? path : "/usr/local/bin:/usr/bin:/bin";
   while (!left.empty()) {
@@ -166,9 +165,10 @@ void set_nonblocking(int fd) {
 
 }  // namespace
 
-ChildProcess::ChildProcess(Launcher& launcher, const Command& command)
-    : program_(find_program(command).string()),
-      child_(launcher.start(program_, command.words, command.directory.string())),
+ChildProcess::ChildProcess(Launcher& launcher, const std::vector<std::string>& command,
+                           const fs::path& directory)
+    : program_(find_program(command.at(0), directory).string()),
+      child_(launcher.start(program_, command, directory.string())),
       buffer_(kReadBytes, '\0') {
   for (const FileDescriptor* end : {&child_.input, &child_.output, &child_.errors})
     set_nonblocking(end->get());
@@ -308,7 +308,7 @@ bool ChildProcess::waits_for_input() const {
   return file >> call >> descriptor && call == SYS_read && descriptor == "0x0";
 }
 
-ChildProcess::End ChildProcess::reap() {
+std::string ChildProcess::reap() {
   // The group first: its number cannot become another group's before its leader is waited for.
   ::kill(-child_.pid, SIGKILL);
   int status = 0;
@@ -317,7 +317,8 @@ ChildProcess::End ChildProcess::reap() {
   child_.pid = -1;
   while (pass_errors_on()) {
   }
-  return {hapgrid::how_it_ended(status), WIFEXITED(status) && WEXITSTATUS(status) != 0};
+  has_given_up_ = WIFEXITED(status) && WEXITSTATUS(status) != 0;
+  return hapgrid::how_it_ended(status);
 }
 
 void ChildProcess::end() {
@@ -331,12 +332,14 @@ void ChildProcess::kill() {
   if (child_.pid >= 0) reap();
 }
 
-ChildProcess::End ChildProcess::how_it_ended() {
-  if (child_.pid < 0) return {"ended"};
+std::string ChildProcess::how_it_ended() {
+  if (child_.pid < 0) return "ended";
   hang_up();
   const bool by_itself = wait_until(Clock::now() + kEndingGrace);
-  const End end = reap();
-  return by_itself ? end : End{"closed its standard output and stayed"};
+  const std::string how = reap();
+  if (by_itself) return how;
+  has_given_up_ = false;
+  return "closed its standard output and stayed";
 }
 
 }  // namespace hapgrid

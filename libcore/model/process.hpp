@@ -55,12 +55,6 @@ class Launcher {
   std::jthread thread_;  // declared last: it uses the others
 };
 
-/// A command that is run without a shell.
-struct Command {
-  std::vector<std::string> words;   ///< program and arguments; the program is looked up in PATH
-  std::filesystem::path directory;  ///< where it runs, and where "./program" is looked for
-};
-
 /// The child has pipes as its standard streams, and no other file of this process. It leads a
 /// process group of its own, so that a Ctrl-C at the terminal reaches only this program. When the
 /// ChildProcess is destroyed, the whole group is killed. A process that the child started and that
@@ -71,7 +65,10 @@ class ChildProcess {
 
   /// @throw Error "cannot be started: ..." when the program is not found or cannot be executed.
   /// @param launcher outlives the child
-  ChildProcess(Launcher& launcher, const Command& command);
+  /// @param command program and arguments, without a shell; the program is looked up in PATH
+  /// @param directory where it runs, and where "./program" is looked for
+  ChildProcess(Launcher& launcher, const std::vector<std::string>& command,
+               const std::filesystem::path& directory);
   /// As end().
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
@@ -98,12 +95,11 @@ class ChildProcess {
   void end();
   /// Kills the group of the child at once.
   void kill();
-  struct End {
-    std::string how;            ///< "exited with status 3"
-    bool has_given_up = false;  ///< it exited, and not with status 0
-  };
-  /// How the child ended, after kEnded. A child that is still there after 1 s is killed.
-  End how_it_ended();
+  /// How the child ended, after kEnded: "exited with status 3". A child that is still there after
+  /// 1 s is killed.
+  std::string how_it_ended();
+  /// After that: it exited by itself, and not with status 0.
+  bool has_given_up() const { return has_given_up_; }
   /// The last line that it wrote to standard error, in printable characters; empty without any.
   std::string last_error_line() const;
   /// The path of its program.
@@ -119,7 +115,7 @@ class ChildProcess {
   bool wait_until(Clock::time_point deadline);
   bool pass_errors_on();
   void write_errors(std::string_view text);
-  End reap();
+  std::string reap();
 
   std::string program_;
   Child child_;  // pid -1: its end has been waited for
@@ -131,6 +127,7 @@ class ChildProcess {
   std::size_t scanned_ = 0;      // no line ends in [read_, scanned_)
   std::string error_line_;       // the current line of standard error, so far
   std::string last_error_line_;  // the last whole line of it that is not blank
+  bool has_given_up_ = false;
 };
 
 }  // namespace hapgrid

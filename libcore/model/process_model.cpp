@@ -27,7 +27,8 @@ namespace hapgrid {
 
 /// What all copies of one model process share.
 struct ProcessGroup {
-  Command command;
+  std::vector<std::string> command;  // program and arguments
+  std::filesystem::path directory;
   ProcessOptions options;
   std::string handshake;
   std::optional<ModelInfo> info;  // what the first process said; all later ones must say the same
@@ -51,19 +52,18 @@ std::chrono::nanoseconds nanoseconds(double seconds) {
 /// catches does; ModelError
 [[noreturn]] void throw_how_it_ended(ChildProcess& child, const std::string& when) {
   const std::string last_words = printable_line(child.rest());
-  const ChildProcess::End end = child.how_it_ended();
-  std::string what = end.how + when;
+  std::string what = child.how_it_ended() + when;
   if (!last_words.empty()) what += format(" (last words: '{}')", last_words);
   const std::string error_line = child.last_error_line();
   if (!error_line.empty()) what += ": " + error_line;
   if (error_line.starts_with("ModuleNotFoundError"))
     what += format(" (the program is {})", child.program());
-  if (end.has_given_up && !error_line.empty()) throw LastingError(what);
+  if (child.has_given_up() && !error_line.empty()) throw LastingError(what);
   throw ModelError(what);
 }
 
 std::string who(const ProcessGroup& group, const std::string& what) {
-  return format("process '{}' {}", command_text(group.command.words), what);
+  return format("process '{}' {}", command_text(group.command), what);
 }
 
 constexpr const char* kUnflushed =
@@ -95,14 +95,13 @@ ChildProcess::Event pump(ProcessGroup& group, ChildProcess& child,
 
 /// What the system refused, and what its user can do: each thread has a process, and each process
 /// has three pipes. To ask again would not help.
-LastingError refusal(const Command& command, const std::system_error& e) {
+LastingError refusal(const std::vector<std::string>& command, const std::system_error& e) {
   std::string why = e.code().message();
   if (e.code() == std::errc::too_many_files_open)
     why += "; have fewer (-j), or raise the limit (ulimit -n)";
   if (e.code() == std::errc::resource_unavailable_try_again)
     why += "; have fewer (-j), or raise the limit (ulimit -u)";
-  return LastingError(
-      format("process '{}' cannot be started: {}", command_text(command.words), why));
+  return LastingError(format("process '{}' cannot be started: {}", command_text(command), why));
 }
 
 /// Waits for the first line of a process. @throw Error
@@ -130,7 +129,7 @@ ModelInfo hear_first_line(ProcessGroup& group, ChildProcess& child) {
 std::unique_ptr<ChildProcess> start(ProcessGroup& group) {
   std::unique_ptr<ChildProcess> child;
   try {
-    child = std::make_unique<ChildProcess>(group.launcher, group.command);
+    child = std::make_unique<ChildProcess>(group.launcher, group.command, group.directory);
     child->send(group.handshake);
     ModelInfo info = hear_first_line(group, *child);
     if (!group.info)
@@ -183,9 +182,6 @@ class ProcessModel final : public Model {
   }
   std::uint64_t memory_bytes() const override { return child_ ? child_->memory_bytes() : 0; }
   void abandon() noexcept override { group_->is_abandoned = true; }
-  bool equal(const double* a, const double* b) const override {
-    return are_equal(info().equality, info().tolerance, state_size(), a, b);
-  }
 
  private:
   using Clock = ChildProcess::Clock;
@@ -371,7 +367,8 @@ std::unique_ptr<Model> ProcessSource::create(const std::vector<Parameter>& param
       return std::make_unique<ProcessModel>(group_, nullptr);
     group_.reset();
     auto group = std::make_shared<ProcessGroup>();
-    group->command = {command_, directory_};
+    group->command = command_;
+    group->directory = directory_;
     group->options = options_;
     group->handshake = std::move(handshake);
     const NoSigpipe no_sigpipe;
@@ -385,7 +382,7 @@ std::unique_ptr<Model> ProcessSource::create(const std::vector<Parameter>& param
   } catch (const ModelError& e) {
     throw ModelError(format("model {}: {}", name_, e.what()));
   } catch (const std::system_error& e) {
-    throw ModelError(format("model {}: {}", name_, refusal({command_, directory_}, e).what()));
+    throw ModelError(format("model {}: {}", name_, refusal(command_, e).what()));
   }
 }
 

@@ -216,18 +216,12 @@ std::string json_reason(const std::exception& e) {
   return printable_line(end == what.npos ? what : what.substr(end + 2));
 }
 
-using Json = nlohmann::json;
-
 namespace {
 
 constexpr std::size_t kNumberBytes = 64;  // sign, 17 digits, point, exponent, comma, and blanks
 constexpr std::size_t kLineBytes = 4096;  // for all of an answer that is no array
 
-[[noreturn]] void wrong_answer(const std::string& what) { throw ModelError(what); }
-
-[[noreturn]] void wrong_type(const char* key) {
-  wrong_answer(format("\"{}\" is of the wrong type", key));
-}
+[[noreturn]] void wrong_type(const char* key) { fail(format("\"{}\" is of the wrong type", key)); }
 
 double number_of(const Json& in, const char* key) {
   if (!in.is_number()) wrong_type(key);
@@ -265,7 +259,7 @@ Answer read_tree(const Json& in) {
       for (const Json& state : value) append_array(state, key, answer.states->emplace_back());
     }
   }
-  if (!in.contains("id")) wrong_answer("no whole number \"id\"");
+  if (!in.contains("id")) fail("no whole number \"id\"");
   return answer;
 }
 
@@ -280,7 +274,7 @@ void append_numbers(std::string& text, const char* key, const double* numbers, s
 
 void require_count(const char* what, std::size_t got, std::size_t expected) {
   if (got == expected) return;
-  wrong_answer(format("an answer with {} numbers in \"{}\", not {}", got, what, expected));
+  fail(format("an answer with {} numbers in \"{}\", not {}", got, what, expected));
 }
 
 }  // namespace
@@ -320,14 +314,14 @@ Answer read_answer(std::string_view line) {
   require_object(line);
   std::string why;
   try {
-    if (nests_too_deep(line)) wrong_answer(format("nested deeper than {} levels", kMaxJsonDepth));
+    if (nests_too_deep(line)) fail(format("nested deeper than {} levels", kMaxJsonDepth));
     return read_tree(parse_json(line));
   } catch (const Json::exception& e) {
     why = "no JSON: " + json_reason(e);
   } catch (const ModelError& e) {
     why = e.what();
   }
-  wrong_answer(format("answered '{}': {}", printable_line(line), why));
+  fail(format("answered '{}': {}", printable_line(line), why));
 }
 
 void write_row(const Answer& answer, const ModelInfo& model, Operation operation, double* row) {
@@ -348,24 +342,24 @@ void write_row(const Answer& answer, const ModelInfo& model, Operation operation
     require_count("shape", answer.shape.size(), 3 * model.spheres.size());
     for (const double centre : answer.shape) {
       if (!(std::abs(centre) <= std::numeric_limits<float>::max()))
-        wrong_answer("an answer with a centre in \"shape\" that is too large");
+        fail("an answer with a centre in \"shape\" that is too large");
       *out++ = static_cast<float>(centre);
     }
   }
 }
 
 std::vector<double> states_of(const Answer& answer, const ModelInfo& model) {
-  if (!answer.states) wrong_answer("an answer without \"states\"");
+  if (!answer.states) fail("an answer without \"states\"");
   std::vector<double> rows;
   for (const std::vector<double>& state : *answer.states) {
     if (state.size() != model.state_size)
-      wrong_answer(format("an answer with a state of {} components, not {}", state.size(),
-                          model.state_size));
+      fail(format("an answer with a state of {} components, not {}", state.size(),
+                  model.state_size));
     rows.insert(rows.end(), state.begin(), state.end());
   }
   if (answer.states->size() > static_cast<std::size_t>(kMaxLevels))
-    wrong_answer(format("{} states at one point, the limit is {}", answer.states->size(),
-                        static_cast<std::size_t>(kMaxLevels)));
+    fail(format("{} states at one point, the limit is {}", answer.states->size(),
+                static_cast<std::size_t>(kMaxLevels)));
   return rows;
 }
 

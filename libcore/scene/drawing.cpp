@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <string_view>
 
@@ -21,31 +22,15 @@ constexpr float kNever = 1e6F;
 constexpr float kPart = 0.6F;   // of the sum of two radii
 constexpr float kNear = 1.25F;  // of the sum of two covalent radii
 
-struct Element {
-  std::string_view symbol;
-  float radius;  // covalent, angstrom
-};
-constexpr std::array kElements = std::to_array<Element>({{"H", 0.31F},
-                                                         {"B", 0.84F},
-                                                         {"C", 0.76F},
-                                                         {"N", 0.71F},
-                                                         {"O", 0.66F},
-                                                         {"F", 0.57F},
-                                                         {"Si", 1.11F},
-                                                         {"P", 1.07F},
-                                                         {"S", 1.05F},
-                                                         {"Cl", 1.02F},
-                                                         {"Ge", 1.20F},
-                                                         {"As", 1.19F},
-                                                         {"Se", 1.20F},
-                                                         {"Br", 1.20F},
-                                                         {"I", 1.39F}});
-
 /// Half of the distance below which two spheres are joined: first two atoms, then two others.
 std::array<float, 2> reach_of(const Scene& scene, const Sphere& sphere) {
-  if (scene.length_unit == "angstrom")
-    for (const Element& element : kElements)
-      if (element.symbol == sphere.label) return {kNear * element.radius, -kNever};
+  static const std::map<std::string_view, float> covalent_radii{
+      {"H", 0.31F},  {"B", 0.84F},  {"C", 0.76F},  {"N", 0.71F},  {"O", 0.66F},
+      {"F", 0.57F},  {"P", 1.07F},  {"S", 1.05F},  {"I", 1.39F},  {"Si", 1.11F},
+      {"Cl", 1.02F}, {"Ge", 1.20F}, {"As", 1.19F}, {"Se", 1.20F}, {"Br", 1.20F}};  // angstrom
+  const auto found = covalent_radii.find(sphere.label);
+  if (scene.length_unit == "angstrom" && found != covalent_radii.end())
+    return {kNear * found->second, -kNever};
   return {-kNever, kPart * sphere.radius};
 }
 
@@ -79,28 +64,31 @@ Vec3 along(const Vec3& a, const Vec3& b, double t) { return a + t * (b - a); }
 
 /// Model to rays: x right, y down, z towards the viewer, all in distances of neighbouring rays.
 struct Projection {
-  PictureAxes axes;
-  Vec3 centre;  // in the picture's axes
+  Vec3 right, up, near;  // the picture's axes
+  Vec3 centre;           // in these
   double scale;
   double x0;
   double y0;
 
   Projection(const Camera& camera, const RenderOptions& options)
-      : axes(camera),
-        centre(axes(camera.centre)),
+      : right(camera.right()),
+        up(camera.up()),
+        near(camera.near()),
+        centre(in_axes(camera.centre)),
         scale(options.supersampling * std::min(options.width, options.height) /
               (2 * camera.half_width)),
         x0(0.5 * options.supersampling * options.width),
         y0(0.5 * options.supersampling * options.height) {}
 
+  Vec3 in_axes(const Vec3& v) const { return {dot(right, v), dot(up, v), dot(near, v)}; }
   Vec3 operator()(const Vec3& v) const {
-    const Vec3 p = axes(v);
+    const Vec3 p = in_axes(v);
     return {x0 + scale * (p[0] - centre[0]), y0 - scale * (p[1] - centre[1]),
             scale * (p[2] - centre[2])};
   }
 };
 
-double longest_side(const Box& box) {
+double size_of(const Box& box) {
   const auto most = *std::max_element(box.counts.begin(), box.counts.end());
   return box.spacing * std::max<double>(1, most - 1.0);
 }
@@ -166,8 +154,7 @@ void add_shadow(const Scene& scene, const Vec3& centre, double radius, const Pro
   if (!(centre[2] > scene.box.origin[2])) return;
   const Vec3 at = project({centre[0], centre[1], scene.box.origin[2]});
   const double half = kShadowRadii * radius * project.scale;
-  if (finite(at) && half > 0)
-    shadows.push_back({{at[0], at[1]}, {half, half * project.axes.near[2]}});
+  if (finite(at) && half > 0) shadows.push_back({{at[0], at[1]}, {half, half * project.near[2]}});
 }
 
 /// The floor, if it is seen from above, and how far the box and the balls reach in depth.
@@ -180,7 +167,7 @@ void add_depths(const Scene& scene, const Projection& project, Drawing& all) {
   };
   for (int c = 1; c < 8; ++c) see(project(corner(scene.box, c))[2]);
   for (const Ball& ball : all.balls) see(ball.centre[2]);
-  if (!(project.axes.near[2] > 0)) return;
+  if (!(project.near[2] > 0)) return;
   const Vec3 right = project(corner(scene.box, 1)) - from,
              back = project(corner(scene.box, 2)) - from;
   all.floor = {{{from[0], from[1]}, {right[0], right[1]}, {back[0], back[1]}}};
@@ -222,13 +209,13 @@ void name_turned(const Scene& scene, const Frame& frame, const Projection& proje
 
 double hip_radius(const Scene& scene, const RenderOptions& options) {
   if (options.hip_radius > 0) return options.hip_radius;
-  return scene.hip_radius > 0 ? scene.hip_radius : longest_side(scene.box) / 40;
+  return scene.hip_radius > 0 ? scene.hip_radius : size_of(scene.box) / 40;
 }
 
 std::array<double, 4> arrow_sizes(const Scene& scene, const Frame& frame,
                                   const RenderOptions& options) {
   const double newton = scene.largest_force > 0 ? 0.25 / scene.largest_force : 1.0 / 6;
-  const double length = newton * longest_side(scene.box) * length_of(frame.force);
+  const double length = newton * size_of(scene.box) * length_of(frame.force);
   if (!(length > 0) || !std::isfinite(length)) return {};
   const double hip = hip_radius(scene, options);
   return {length, std::min(0.035 * length, 0.2 * hip), std::min(0.12 * length, 0.6 * hip),
@@ -248,24 +235,35 @@ void add_to_way(const Scene& scene, const Frame& frame, RenderOptions& options) 
     }
 }
 
-PictureAxes::PictureAxes(const Camera& camera) {
-  const double a = camera.azimuth_degrees * std::numbers::pi / 180;
-  const double e = camera.elevation_degrees * std::numbers::pi / 180;
-  right = {std::cos(a), std::sin(a), 0};
-  near = {std::sin(a) * std::cos(e), -std::cos(a) * std::cos(e), std::sin(e)};
-  up = {-std::sin(a) * std::sin(e), std::cos(a) * std::sin(e), std::cos(e)};
+namespace {
+double radians(double degrees) { return degrees * std::numbers::pi / 180; }
+}  // namespace
+
+Vec3 Camera::right() const {
+  const double a = radians(azimuth_degrees);
+  return {std::cos(a), std::sin(a), 0};
+}
+
+Vec3 Camera::up() const {
+  const double a = radians(azimuth_degrees), e = radians(elevation_degrees);
+  return {-std::sin(a) * std::sin(e), std::cos(a) * std::sin(e), std::cos(e)};
+}
+
+Vec3 Camera::near() const {
+  const double a = radians(azimuth_degrees), e = radians(elevation_degrees);
+  return {std::sin(a) * std::cos(e), -std::cos(a) * std::cos(e), std::sin(e)};
 }
 
 std::array<double, 3> fit_extent(const Scene& scene, const Frame& frame,
                                  const RenderOptions& options, Camera& camera) {
   camera = {options.azimuth_degrees, options.elevation_degrees};
-  const PictureAxes axes(camera);
+  const Vec3 right = camera.right(), up = camera.up(), near = camera.near();
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Vec3 low{kInfinity, kInfinity, kInfinity};
   Vec3 high{-kInfinity, -kInfinity, -kInfinity};
   const auto see = [&](const Vec3& v, double radius) {
     if (!finite(v)) return;
-    const Vec3 p = axes(v);
+    const Vec3 p{dot(right, v), dot(up, v), dot(near, v)};
     for (int a = 0; a < 3; ++a) {
       low[a] = std::min(low[a], p[a] - radius);
       high[a] = std::max(high[a], p[a] + radius);
@@ -282,7 +280,7 @@ std::array<double, 3> fit_extent(const Scene& scene, const Frame& frame,
     see(at, room);
   }
   const Vec3 middle{0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2])};
-  camera.centre = middle[0] * axes.right + middle[1] * axes.up + middle[2] * axes.near;
+  camera.centre = middle[0] * right + middle[1] * up + middle[2] * near;
   return {0.5 * kAround * (high[0] - low[0]), 0.5 * kAround * (high[1] - low[1]),
           std::max(0.0, kAround * (rightmost - middle[0]))};
 }

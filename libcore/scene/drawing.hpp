@@ -33,17 +33,11 @@ struct Camera {
   double elevation_degrees = 20;
   Vec3 centre{0, 0, 0};   ///< in the middle of the picture; in the model's space and unit
   double half_width = 1;  ///< from the middle to the nearer edges, in the model's unit of length
-};
 
-/// The picture's axes in the model's space: to the right, up, towards the viewer.
-struct PictureAxes {
-  Vec3 right;
-  Vec3 up;
-  Vec3 near;
-
-  explicit PictureAxes(const Camera& camera);
-  /// A point or a direction of the model's space in these axes.
-  Vec3 operator()(const Vec3& v) const { return {dot(right, v), dot(up, v), dot(near, v)}; }
+  // The picture's axes in the model's space: to the right, up, towards the viewer.
+  Vec3 right() const;
+  Vec3 up() const;
+  Vec3 near() const;
 };
 
 /// Red, green, blue in [0, 1].

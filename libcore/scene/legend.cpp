@@ -54,10 +54,10 @@ void add_legend(Drawing& drawing, const Scene& scene, const Camera& camera,
   drawing.labels.push_back({length_text(scene, length), {left + bar + kBarGap * scale, bottom}});
 
   const double axis = std::min(scale * kAxis, kAxisPart * shorter);
-  const PictureAxes axes(camera);
+  const Vec3 right = camera.right(), up = camera.up();
   const Vec3 middle{scale * kAxesAside + axis, options.height - scale * kAxesAbove - 0.5 - axis, 0};
   for (std::size_t a = 0; a < 3; ++a) {
-    const Vec3 way{axes.right[a], -axes.up[a], 0};
+    const Vec3 way{right[a], -up[a], 0};
     if (length_of(way) < kShortestAxis) continue;  // it points at the viewer
     add_line(drawing, middle, middle + axis * way, options);
     const Vec3 name = middle + (axis + scale * kAxisGap) * way;

@@ -35,8 +35,8 @@ struct Scene {
   friend bool operator==(const Scene&, const Scene&) = default;
 };
 
-/// One tick with the numbers that the haptic loop knows.
-struct Snapshot {
+/// One tick.
+struct Frame {
   std::uint64_t tick = 0;
   double time_s = 0;
   Vec3 hip{};               ///< as the device gave it; may be outside the box or not finite
@@ -45,10 +45,7 @@ struct Snapshot {
   Vec3 force{};             ///< newtons, as sent
   std::uint64_t jumps = 0;  ///< ticks in which the state jumped, because it started or snapped
   std::vector<double> row;  ///< the state; then the grid's stored values, which no stream has
-};
-
-/// A snapshot, and the numbers whose computation takes too long for the haptic loop.
-struct Frame : Snapshot {
+  // What takes too long to compute for the haptic loop:
   double energy = std::numeric_limits<double>::quiet_NaN();  ///< NaN if the model has none
   double own_energy = energy;  ///< of the model by itself, without the HIP; NaN as well
   std::vector<float> centres;  ///< of the spheres, x y z by sphere

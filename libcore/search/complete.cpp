@@ -62,7 +62,7 @@ Section PartialGrid::start(const Section& grid) {
   if (limit > spec.max_levels)
     throw FormatError(format("{}: was found with a level limit of {}, which is now {}{}", name_,
                              limit, spec.max_levels, remove));
-  if (!grew_from(load_grid(file).grid, load_grid(grid).grid))
+  if (!grew_from(load_grid(file), load_grid(grid)))
     throw FormatError(
         format("{}: did not grow from {}, which has other seeds or is of a later generation{}",
                name_, grid.file->name(), remove));

@@ -40,7 +40,7 @@ class Stopped : public Error {
   explicit Stopped(const std::string& what_is_kept = "") : Error("interrupted" + what_is_kept) {}
 };
 
-/// A record, and the conversions from it that are asked for.
+/// A record, and conversions from it: those that are asked for, or were made.
 struct FrontierRecord {
   PointIndex point = 0;
   Level level = 0;

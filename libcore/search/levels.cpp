@@ -40,14 +40,14 @@ Levels::Levels(const Section& grid, const Model& model)
   columns_.links.reserve(room * kDirections);
   next_.reserve(room);
   SectionReader reader(grid);
-  RecordRows rows;
-  for (std::size_t i = 0; i < grid.footer.chunks.size(); ++i) {
+  Chunk rows;
+  for (std::size_t i = 0; i < grid.chunks.size(); ++i) {
     reader.read(i, rows);
     append(rows);
   }
 }
 
-void Levels::append(const RecordRows& rows) {
+void Levels::append(const Chunk& rows) {
   const auto add = [](auto& column, const auto& more) {
     column.insert(column.end(), more.begin(), more.end());
   };

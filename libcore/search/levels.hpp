@@ -59,7 +59,7 @@ class Levels {
   static constexpr RecordIndex kNone = Grid::kNoRecord;
 
   /// @throw FormatError when a level is not the next one at its point.
-  void append(const RecordRows& rows);
+  void append(const Chunk& rows);
   /// Calls f(r) for each record, ascending by (point, level).
   template <class F>
   void for_each(F&& f) const {

@@ -18,7 +18,7 @@ namespace hapgrid {
 struct RequestReader::Stream {
   explicit Stream(const Section& from) : section(&from), reader(from) {}
 
-  const std::vector<ChunkInfo>& chunks() const { return section->footer.chunks; }
+  const std::vector<ChunkInfo>& chunks() const { return section->chunks; }
   bool at_end() const { return row == rows.size() && chunk == chunks().size(); }
   bool needs_chunk() const { return row == rows.size(); }
   /// Of the next row; where its chunk is not read yet, a key not behind it.
@@ -34,19 +34,16 @@ struct RequestReader::Stream {
       throw FormatError(format("{}: damaged: rows out of order at point {}", section->file->name(),
                                rows.point[0]));
   }
-  SourceRequests source() const {
-    return {rows.point[row], rows.level[row], rows.directions[row], rows.row(rows.first[row]),
-            rows.width};
-  }
-
   const Section* section;
   SectionReader reader;
   std::size_t chunk = 0;  // to be read next
-  RequestRows rows;
+  Chunk rows;
   std::size_t row = 0;
 };
 
 RequestReader::RequestReader(const std::vector<Section>& sections) {
+  if (!sections.empty()) width_ = sections.front().header.spec.row_size();
+  rows_.resize(kDirections * width_);
   for (const Section& section : sections) push(std::make_unique<Stream>(section));
 }
 RequestReader::~RequestReader() = default;
@@ -78,71 +75,58 @@ bool RequestReader::select_first() {
   }
 }
 
-bool RequestReader::next(SourceRequests& source) {
-  if (given_) ++first_->row;
-  given_ = false;
+bool RequestReader::next(FrontierRecord& source) {
   if (!select_first()) return false;
-  source = first_->source();
   const RowKey key = first_->key();
-  given_ = heap_.empty() || heap_.front()->key() > key;
-  if (given_) return true;
-  source.directions = 0;
+  source = {.point = first_->rows.point[first_->row], .level = first_->rows.level[first_->row]};
   do {
-    gather(first_->source(), source.directions);
+    gather(source);
     ++first_->row;
   } while (select_first() && first_->key() == key);
-  rows_.clear();
-  for (DirectionMask left = source.directions; left; left &= left - 1) {
-    const double* const row =
-        &spread_[static_cast<unsigned>(std::countr_zero(left)) * source.width];
-    rows_.insert(rows_.end(), row, row + source.width);
-  }
-  source.rows = rows_.data();
   return true;
 }
 
-/// Puts the rows of `more` among those of the `known` directions. What was answered before must be
-/// answered again, bit by bit.
-void RequestReader::gather(const SourceRequests& more, DirectionMask& known) {
-  spread_.resize(kDirections * more.width);
-  for (DirectionMask left = more.directions; left; left &= left - 1) {
+/// Puts the rows of first_ among those that are known. What was answered before must be answered
+/// again, bit by bit.
+void RequestReader::gather(FrontierRecord& source) {
+  const Chunk& chunk = first_->rows;
+  const DirectionMask directions = chunk.directions[first_->row];
+  const double* from = chunk.row(chunk.first[first_->row]);
+  for (DirectionMask left = directions; left; left &= left - 1, from += width_) {
     const int q = std::countr_zero(left);
-    double* const row = &spread_[static_cast<unsigned>(q) * more.width];
-    if ((known >> q & 1) && std::memcmp(row, more.row(q), more.width * sizeof(double)) != 0)
-      throw FormatError(format("requests: {}, direction {}: two different answers",
-                               describe(first_->section->header.spec.box, more.point, more.level),
-                               q));
-    std::copy_n(more.row(q), more.width, row);
+    double* const row = &rows_[static_cast<unsigned>(q) * width_];
+    if ((source.todo >> q & 1) && std::memcmp(row, from, width_ * sizeof(double)) != 0)
+      throw FormatError(
+          format("requests: {}, direction {}: two different answers",
+                 describe(first_->section->header.spec.box, source.point, source.level), q));
+    std::copy_n(from, width_, row);
   }
-  known |= more.directions;
+  source.todo |= directions;
 }
 
-MergeInput merge_input(std::vector<Section> sections) {
-  MergeInput input;
-  bool any = false;
-  for (Section& section : sections) {
-    if (section.header.content == Content::kRequests) {
-      input.requests.push_back(std::move(section));
-      continue;
-    }
-    if (any)
-      throw FormatError(
-          format("{}: a second grid, beside {}", section.file->name(), input.grid.file->name()));
-    any = true;
-    input.grid = std::move(section);
-  }
-  if (!any)
-    throw FormatError(format("{}: requests, but no grid to merge them into",
-                             input.requests.front().file->name()));
-  for (const Section& section : input.requests)
-    if (section.header.generation != input.grid.header.generation)
+Section take_grid(std::vector<Section>& sections) {
+  const auto is_grid = [](const Section& section) {
+    return section.header.content == Content::kGrid;
+  };
+  const auto found = std::find_if(sections.begin(), sections.end(), is_grid);
+  if (found == sections.end())
+    throw FormatError(
+        format("{}: requests, but no grid to merge them into", sections.front().file->name()));
+  Section grid = std::move(*found);
+  sections.erase(found);
+  const auto second = std::find_if(sections.begin(), sections.end(), is_grid);
+  if (second != sections.end())
+    throw FormatError(
+        format("{}: a second grid, beside {}", second->file->name(), grid.file->name()));
+  for (const Section& section : sections)
+    if (section.header.generation != grid.header.generation)
       throw FormatError(format("{}: requests of generation {}, the grid's frontier is {}",
                                section.file->name(), section.header.generation,
-                               input.grid.header.generation));
-  return input;
+                               grid.header.generation));
+  return grid;
 }
 
-SectionHeader MergeInput::merged_header() const {
+SectionHeader merged_header(const Section& grid) {
   SectionHeader header = grid.header;
   if (grid.frontier() > 0) ++header.generation;
   return header;
@@ -150,17 +134,17 @@ SectionHeader MergeInput::merged_header() const {
 
 namespace {
 
-[[noreturn]] void fail_unasked(const GridSpec& spec, const SourceRequests& source) {
+[[noreturn]] void fail_unasked(const GridSpec& spec, const FrontierRecord& source) {
   throw FormatError(
       format("requests: {}, direction {}: the grid's frontier asks for no such conversion",
-             describe(spec.box, source.point, source.level), std::countr_zero(source.directions)));
+             describe(spec.box, source.point, source.level), std::countr_zero(source.todo)));
 }
 
 /// Copies a grid byte by byte, after a look at all of it.
 void copy(const Section& grid, int fd, const std::string& name) {
   SectionReader reader(grid);
-  RecordRows rows;
-  for (std::size_t i = 0; i < grid.footer.chunks.size(); ++i) reader.read(i, rows);
+  Chunk rows;
+  for (std::size_t i = 0; i < grid.chunks.size(); ++i) reader.read(i, rows);
   std::vector<std::byte> bytes;
   for (std::uint64_t at = grid.begin; at < grid.end; at += bytes.size()) {
     bytes.resize(std::min<std::uint64_t>(grid.end - at, 1 << 20));
@@ -172,26 +156,26 @@ void copy(const Section& grid, int fd, const std::string& name) {
 
 }  // namespace
 
-void merge(const MergeInput& input, const Model& model, int fd, const std::string& name,
-           Progress& progress) {
-  const SectionHeader& header = input.grid.header;
-  RequestReader requests(input.requests);
-  SourceRequests source;
-  if (input.grid.frontier() == 0) {
-    if (requests.next(source)) fail_unasked(header.spec, source);
-    return copy(input.grid, fd, name);
+void merge(const Section& grid, const std::vector<Section>& requests, const Model& model, int fd,
+           const std::string& name, Progress& progress) {
+  const SectionHeader& header = grid.header;
+  RequestReader reader(requests);
+  FrontierRecord source;
+  if (grid.frontier() == 0) {
+    if (reader.next(source)) fail_unasked(header.spec, source);
+    return copy(grid, fd, name);
   }
-  Levels levels(input.grid, model);
-  while (requests.next(source)) {
+  Levels levels(grid, model);
+  while (reader.next(source)) {
     const RecordIndex record = levels.find(source.point, source.level);
     if (record == Grid::kNoRecord || levels.generation(record) != header.generation)
       fail_unasked(header.spec, source);
-    levels.settle(record, source.directions, header.generation + 1,
-                  [&source](int q) { return source.row(q); });
-    progress.conversions += static_cast<std::uint64_t>(std::popcount(source.directions));
+    levels.settle(record, source.todo, header.generation + 1,
+                  [&reader](int q) { return reader.row(q); });
+    progress.conversions += static_cast<std::uint64_t>(std::popcount(source.todo));
   }
   levels.require_settled(header.generation);
-  SectionWriter out(fd, name, input.merged_header());
+  SectionWriter out(fd, name, merged_header(grid));
   levels.write(out);
 }
 
@@ -201,8 +185,8 @@ void copy_finished(const Section& grid, SectionWriter& out) {
         format("{}: {} records are still in the frontier; only a finished grid can be made small",
                grid.file->name(), grid.frontier()));
   SectionReader reader(grid);
-  RecordRows rows;
-  for (std::size_t i = 0; i < grid.footer.chunks.size(); ++i) {
+  Chunk rows;
+  for (std::size_t i = 0; i < grid.chunks.size(); ++i) {
     reader.read(i, rows);
     out.records(rows, 0, rows.size());
   }

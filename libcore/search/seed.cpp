@@ -30,9 +30,7 @@ PointIndex point_at(const Box& box, const Vec3& position) {
     const double nearest = std::round(steps);
     if (!(nearest >= 0 && nearest < box.counts[a]))
       throw Error(format("seed {}: outside the box, which spans {} to {}", to_text(position),
-                         to_text(box.origin),
-                         to_text(box.position(GridCoordinates{box.counts[0] - 1, box.counts[1] - 1,
-                                                              box.counts[2] - 1}))));
+                         to_text(box.origin), to_text(box.high())));
     if (std::abs(steps - nearest) > kPositionTolerance)
       throw Error(format("seed {}: not a grid point", to_text(position)));
     c[a] = static_cast<std::uint32_t>(nearest);

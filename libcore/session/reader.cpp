@@ -29,7 +29,7 @@ void SessionReader::read_header() {
   if (!starts_with_zstd_frame(file_)) throw FormatError("not a session: no zstd frame");
   const std::span<const std::byte> bytes = frame(kHeaderLimit);
   if (bytes.empty()) throw FormatError("not a session, or its header is cut");
-  frames_.decode(bytes, kHeaderLimit, message_);
+  decode_zstd_frame(bytes, kHeaderLimit, "session", message_);
   header_ = decode_header(message_);
   offset_ = bytes.size();
 }
@@ -37,7 +37,7 @@ void SessionReader::read_header() {
 void SessionReader::read_chunk(std::vector<TickRecord>& ticks) {
   const std::span<const std::byte> bytes = frame(kChunkLimit);
   if (bytes.empty()) throw FormatError("a zstd frame is cut");
-  frames_.decode(bytes, kChunkLimit, message_);
+  decode_zstd_frame(bytes, kChunkLimit, "session", message_);
   const std::uint64_t dropped = decode_ticks(message_, ticks);
   if (last_tick_ && ticks.front().number <= *last_tick_)
     throw FormatError(format("damaged: tick {} after tick {}", ticks.front().number, *last_tick_));

@@ -48,7 +48,6 @@ class SessionReader {
   std::span<const std::byte> frame(std::uint64_t content);
 
   InputFile file_;
-  ZstdFrameDecoder frames_{"session"};
   std::vector<std::byte> buffer_;
   MessageWords message_;
   SessionHeader header_;

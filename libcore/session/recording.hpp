@@ -2,36 +2,21 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
-#include "libcore/session/session.hpp"
+#include "libcore/device/device.hpp"
+#include "libcore/session/reader.hpp"
 
 namespace hapgrid {
 
-struct RecordedTick {
-  std::uint64_t number = 0;  ///< ascending; ticks whose numbers are skipped were missed
-  Vec3 hip{};                ///< in the box's axes and the model's unit; it need not be finite
-  bool clutch = false;
-  bool stalled = false;
-  bool reset = false;
-  bool next = false;
-  bool begins = false;
-  std::uint32_t slew_ns = 0;  ///< as in TickRecord
-};
+/// The most bytes of memory for the ticks of a recording: some 6 h at 1 kHz.
+inline constexpr std::uint64_t kRecordingLimit = 2'500'000'000;
 
-struct Recording {
-  SessionHeader header;
-  std::string ended_early;          ///< SessionReader::ended_early()
-  std::vector<RecordedTick> ticks;  ///< at least one
-};
-
-/// The most bytes of memory for the ticks of a recording: some 7 h at 1 kHz.
-inline constexpr std::uint64_t kRecordingLimit = 1'000'000'000;
-
-/// Reads a session. "-" is standard input.
-/// @throw std::system_error; FormatError "NAME: byte N: ..."; Error when there is no tick, or when
-/// the ticks need more than `limit` bytes.
-Recording load_recording(const std::string& name, std::uint64_t limit = kRecordingLimit);
+/// Reads a session to its end: what the hand did in each tick, as a ReplayDevice takes it. The
+/// positions are those of the HIP; they need not be finite.
+/// @throw std::system_error; Error when there is no tick, or when the ticks need more than `limit`
+/// bytes.
+std::vector<DeviceInput> load_recording(SessionReader& session,
+                                        std::uint64_t limit = kRecordingLimit);
 
 }  // namespace hapgrid

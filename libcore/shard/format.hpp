@@ -37,13 +37,6 @@ struct ChunkInfo {
   Digest digest;  ///< of the message
 };
 
-/// The index of a section.
-struct SectionFooter {
-  std::uint32_t header_size = 0;  ///< of the header's zstd frame
-  std::vector<ChunkInfo> chunks;
-  Digest digest;
-};
-
 /// The last bytes of a section, as they are in memory: they say where its footer is, so that a
 /// reader of a file goes straight to it. A skippable zstd frame, which `zstd -d` passes over.
 struct Locator {
@@ -58,32 +51,29 @@ static_assert(sizeof(Locator) == 16 && std::endian::native == std::endian::littl
 /// The digest of a section, from that of its header's message and those of its chunks.
 Digest section_digest(const Digest& header, std::span<const ChunkInfo> chunks);
 
-/// One chunk of a section, decoded. The columns look into the message.
+/// One chunk of a section, decoded: records, or what the requests of source records reached. The
+/// columns look into the message.
 struct Chunk {
   MessageWords message;
-  std::vector<double> transposed;   ///< the rows, where they have more than one number
-  std::size_t width = 0;            ///< numbers a row: the grid's row_size()
-  std::span<const double> numbers;  ///< R x width; each row begins with the state
+  std::vector<double> transposed;  ///< the numbers, where a row has more than one
+  std::size_t width = 0;           ///< numbers a row: the grid's row_size()
+  /// Row after row, each of which begins with a state: one for each record; of requests, for each
+  /// record one for each of its `directions`, ascending.
+  std::span<const double> numbers;
   std::span<const PointIndex> point;
   std::span<const Level> level;
+  // Of a grid:
+  std::span<const std::uint32_t> generation;
+  std::span<const Level> links;  ///< 26 for each record
+  // Of requests:
+  std::span<const DirectionMask> directions;
+  std::vector<std::uint32_t> first;  ///< each record's first request
 
+  /// Records.
   std::size_t size() const { return point.size(); }
   const double* row(std::size_t r) const { return &numbers[r * width]; }
-};
-
-/// R records.
-struct RecordRows : Chunk {
-  std::span<const std::uint32_t> generation;
-  std::span<const Level> links;  ///< R x 26
-
+  /// Of a grid.
   operator RecordRun() const { return {point, level, generation, numbers, links}; }
-};
-
-/// What N requests of R source records reached. The numbers are N x width: for each record one row
-/// for each of its `directions`, ascending.
-struct RequestRows : Chunk {
-  std::span<const DirectionMask> directions;
-  std::vector<std::uint32_t> first;  ///< R: each record's first request
 };
 
 /// The rows of a section ascend by this key: (point, level).

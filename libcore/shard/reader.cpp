@@ -68,25 +68,35 @@ std::size_t count_directions(std::span<const DirectionMask> directions) {
   return count;
 }
 
-void read_columns(schema::Message::Reader message, const SectionHeader& header, RecordRows& rows) {
-  if (!message.isRecords()) throw FormatError("damaged: a chunk of records was expected");
-  const schema::RecordChunk::Reader chunk = message.getRecords();
-  const std::size_t count = chunk.getPoint().size();
-  rows.point = column<PointIndex>(chunk.getPoint(), count, "point");
-  rows.level = column(chunk.getLevel(), count, "level");
-  rows.generation = column<std::uint32_t>(chunk.getGeneration(), count, "generation");
-  rows.links = column(chunk.getLinks(), count * kDirections, "links");
-  read_numbers(chunk, count, header.spec, rows);
+/// Reads the columns that chunks of both kinds have. Answers how many records there are.
+template <class ChunkReader>
+std::size_t read_keys(ChunkReader in, Chunk& chunk) {
+  const std::size_t count = in.getPoint().size();
+  if (count == 0) throw FormatError("damaged: a chunk without rows");
+  chunk.point = column<PointIndex>(in.getPoint(), count, "point");
+  chunk.level = column(in.getLevel(), count, "level");
+  return count;
 }
 
-void read_columns(schema::Message::Reader message, const SectionHeader& header, RequestRows& rows) {
+void read_records(schema::Message::Reader message, const GridSpec& spec, Chunk& chunk) {
+  if (!message.isRecords()) throw FormatError("damaged: a chunk of records was expected");
+  const schema::RecordChunk::Reader in = message.getRecords();
+  const std::size_t count = read_keys(in, chunk);
+  chunk.generation = column<std::uint32_t>(in.getGeneration(), count, "generation");
+  chunk.links = column(in.getLinks(), count * kDirections, "links");
+  read_numbers(in, count, spec, chunk);
+}
+
+void read_requests(schema::Message::Reader message, const GridSpec& spec, Chunk& chunk) {
   if (!message.isRequests()) throw FormatError("damaged: a chunk of requests was expected");
-  const schema::RequestChunk::Reader chunk = message.getRequests();
-  const std::size_t count = chunk.getPoint().size();
-  rows.point = column<PointIndex>(chunk.getPoint(), count, "point");
-  rows.level = column(chunk.getLevel(), count, "level");
-  rows.directions = column<DirectionMask>(chunk.getDirections(), count, "directions");
-  read_numbers(chunk, count_directions(rows.directions), header.spec, rows);
+  const schema::RequestChunk::Reader in = message.getRequests();
+  const std::size_t count = read_keys(in, chunk);
+  chunk.directions = column<DirectionMask>(in.getDirections(), count, "directions");
+  read_numbers(in, count_directions(chunk.directions), spec, chunk);
+}
+
+[[noreturn]] void fail_footer() {
+  throw FormatError("damaged: a chunk does not fit what the footer says of it");
 }
 
 }  // namespace
@@ -94,27 +104,26 @@ void read_columns(schema::Message::Reader message, const SectionHeader& header, 
 SectionReader::SectionReader(const Section& section)
     : section_(&section), neighbourhood_(section.header.spec.box) {}
 
-void SectionReader::read(std::size_t chunk, RecordRows& rows) { decode(chunk, rows); }
-void SectionReader::read(std::size_t chunk, RequestRows& rows) { decode(chunk, rows); }
-
-template <class Rows>
-void SectionReader::decode(std::size_t chunk, Rows& rows) {
-  const ChunkInfo& info = section_->footer.chunks[chunk];
+void SectionReader::read(std::size_t chunk, Chunk& rows) {
+  const SectionHeader& header = section_->header;
+  const bool is_grid = header.content == Content::kGrid;
+  const ChunkInfo& info = section_->chunks[chunk];
   bytes_.resize(info.size);
   bytes_.resize(section_->file->read(info.offset, bytes_));
   try {
-    decoder_.decode(bytes_, chunk_limit(section_->header), rows.message);
+    decode_zstd_frame(bytes_, chunk_limit(header), "shard", rows.message);
     if (digest_of(std::as_bytes(std::span(rows.message))) != info.digest)
       throw FormatError("damaged: a chunk does not fit the footer's digest of it");
     read_message<schema::Message>(rows.message, [&](schema::Message::Reader message) {
-      read_columns(message, section_->header, rows);
-      if (rows.size() == 0) throw FormatError("damaged: a chunk without rows");
+      (is_grid ? read_records : read_requests)(message, header.spec, rows);
       check_order(rows);
-      const auto [frontier, conversions] = check(rows);
+      if (is_grid)
+        check_records(info, rows);
+      else
+        check_requests(info, rows);
       if (rows.size() != info.rows || rows.point.front() != info.first_point ||
-          rows.point.back() != info.last_point || frontier != info.frontier ||
-          conversions != info.conversions)
-        throw FormatError("damaged: a chunk does not fit what the footer says of it");
+          rows.point.back() != info.last_point)
+        fail_footer();
     });
   } catch (const FormatError& e) {
     throw FormatError(format("{}: {}", at(*section_->file, info.offset), e.what()));
@@ -136,23 +145,22 @@ void SectionReader::check_order(const Chunk& rows) const {
   }
 }
 
-std::pair<std::uint32_t, std::uint32_t> SectionReader::check(const RecordRows& rows) const {
+void SectionReader::check_records(const ChunkInfo& info, const Chunk& rows) const {
   std::uint32_t frontier = 0, conversions = 0;
   // Where nothing is wrong this loop decides nothing, and the compiler makes it fast.
   std::uint32_t youngest = 0;
   for (const std::uint32_t generation : rows.generation) youngest = std::max(youngest, generation);
-  if (youngest < section_->header.generation) return {0, 0};
-  for (std::size_t r = 0; r < rows.size(); ++r) {
+  for (std::size_t r = 0; r < rows.size() && youngest >= section_->header.generation; ++r) {
     if (rows.generation[r] > section_->header.generation)
       throw FormatError(format("damaged: a record of generation {}", rows.generation[r]));
     if (rows.generation[r] != section_->header.generation) continue;
     ++frontier;
     conversions += static_cast<std::uint32_t>(std::popcount(neighbourhood_.inside(rows.point[r])));
   }
-  return {frontier, conversions};
+  if (frontier != info.frontier || conversions != info.conversions) fail_footer();
 }
 
-std::pair<std::uint32_t, std::uint32_t> SectionReader::check(RequestRows& rows) const {
+void SectionReader::check_requests(const ChunkInfo& info, Chunk& rows) const {
   std::uint32_t conversions = 0;
   rows.first.resize(rows.size());
   for (std::size_t r = 0; r < rows.size(); ++r) {
@@ -165,7 +173,7 @@ std::pair<std::uint32_t, std::uint32_t> SectionReader::check(RequestRows& rows) 
   }
   for (const double number : rows.numbers)
     if (!std::isfinite(number)) throw FormatError("damaged: a request's state is not finite");
-  return {0, conversions};
+  if (info.frontier != 0 || conversions != info.conversions) fail_footer();
 }
 
 namespace {
@@ -179,7 +187,7 @@ constexpr std::uint64_t kMaxRatio = 4096;
 /// damage gives the same message, whatever the threads.
 template <class Use>
 void for_each_chunk(const Section& section, const Use& use) {
-  const std::vector<ChunkInfo>& chunks = section.footer.chunks;
+  const std::vector<ChunkInfo>& chunks = section.chunks;
   std::vector<std::uint64_t> first(chunks.size());
   for (std::size_t i = 1; i < chunks.size(); ++i) first[i] = first[i - 1] + chunks[i - 1].rows;
   std::atomic<std::size_t> next{0};
@@ -188,7 +196,7 @@ void for_each_chunk(const Section& section, const Use& use) {
   std::exception_ptr failure;
   const auto work = [&](std::size_t) {
     SectionReader reader(section);
-    RecordRows rows;
+    Chunk rows;
     for (std::size_t i; (i = next++) < chunks.size();) try {
         reader.read(i, rows);
         use(first[i], rows);
@@ -211,24 +219,23 @@ void for_each_chunk(const Section& section, const Use& use) {
 /// @throw FormatError
 void require_plausible(const Section& section) {
   const std::uint64_t bytes = record_bytes(section.header.spec.row_size());
-  if (section.records() > kMaxRatio * (section.end - section.begin) / bytes)
-    for_each_chunk(section, [](std::uint64_t, const RecordRows&) {});
-}
-
-std::string digest_text(const Digest& digest) {
-  return format("{:016x}{:016x}", digest.high, digest.low);
+  if (section.records() > kMaxRatio * section.size() / bytes)
+    for_each_chunk(section, [](std::uint64_t, const Chunk&) {});
 }
 
 }  // namespace
 
-LoadedGrid load_grid(const std::string& name) { return load_grid(open_grid(name)); }
+Grid load_grid(const std::string& name) { return load_grid(open_grid(name)); }
 
-LoadedGrid load_grid(const Section& section) {
+Grid load_grid(const Section& section) {
   require_plausible(section);
   GridBuilder grid(section.header.spec, section.header.generation, section.records());
-  for_each_chunk(section,
-                 [&](std::uint64_t first, const RecordRows& rows) { grid.add(first, rows); });
-  return {grid.finish(), section.end - section.begin, digest_text(section.footer.digest)};
+  std::mutex mutex;  // to add a chunk takes a small part of the time in which it is read
+  for_each_chunk(section, [&](std::uint64_t first, const Chunk& rows) {
+    const std::lock_guard lock(mutex);
+    grid.add(first, rows);
+  });
+  return grid.finish();
 }
 
 }  // namespace hapgrid

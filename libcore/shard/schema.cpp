@@ -171,11 +171,11 @@ SectionHeader decode_header(schema::Header::Reader in) {
   return header;
 }
 
-void encode_footer(const SectionFooter& footer, schema::Footer::Builder out) {
-  out.setHeaderSize(footer.header_size);
-  auto chunks = out.initChunks(static_cast<unsigned>(footer.chunks.size()));
+void encode_footer(const Section& section, schema::Footer::Builder out) {
+  out.setHeaderSize(section.header_size);
+  auto chunks = out.initChunks(static_cast<unsigned>(section.chunks.size()));
   for (unsigned i = 0; i < chunks.size(); ++i) {
-    const ChunkInfo& chunk = footer.chunks[i];
+    const ChunkInfo& chunk = section.chunks[i];
     chunks[i].setSize(chunk.size);
     chunks[i].setRows(chunk.rows);
     chunks[i].setFrontier(chunk.frontier);
@@ -185,15 +185,14 @@ void encode_footer(const SectionFooter& footer, schema::Footer::Builder out) {
     chunks[i].setDigestLow(chunk.digest.low);
     chunks[i].setDigestHigh(chunk.digest.high);
   }
-  out.setDigestLow(footer.digest.low);
-  out.setDigestHigh(footer.digest.high);
+  out.setDigestLow(section.digest.low);
+  out.setDigestHigh(section.digest.high);
 }
 
-SectionFooter decode_footer(schema::Footer::Reader in) {
-  SectionFooter footer;
-  footer.header_size = in.getHeaderSize();
+void decode_footer(schema::Footer::Reader in, Section& section) {
+  section.header_size = in.getHeaderSize();
   for (const auto chunk : in.getChunks()) {
-    ChunkInfo& info = footer.chunks.emplace_back();
+    ChunkInfo& info = section.chunks.emplace_back();
     info.size = chunk.getSize();
     info.rows = chunk.getRows();
     info.frontier = chunk.getFrontier();
@@ -202,8 +201,7 @@ SectionFooter decode_footer(schema::Footer::Reader in) {
     info.last_point = chunk.getLastPoint();
     info.digest = {chunk.getDigestLow(), chunk.getDigestHigh()};
   }
-  footer.digest = {in.getDigestLow(), in.getDigestHigh()};
-  return footer;
+  section.digest = {in.getDigestLow(), in.getDigestHigh()};
 }
 
 }  // namespace hapgrid

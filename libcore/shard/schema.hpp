@@ -6,7 +6,7 @@
 
 #include "libcore/base/file.hpp"
 #include "libcore/base/message.hpp"
-#include "libcore/shard/format.hpp"
+#include "libcore/shard/section.hpp"
 #include "shard.capnp.h"
 
 namespace hapgrid {
@@ -20,10 +20,10 @@ inline std::string at(const InputFile& file, std::uint64_t offset) {
 }
 
 void encode_header(const SectionHeader& header, schema::Header::Builder out);
-void encode_footer(const SectionFooter& footer, schema::Footer::Builder out);
+void encode_footer(const Section& section, schema::Footer::Builder out);
 
 /// @throw FormatError (without the file's name) when the header cannot be a grid's.
 SectionHeader decode_header(schema::Header::Reader in);
-SectionFooter decode_footer(schema::Footer::Reader in);
+void decode_footer(schema::Footer::Reader in, Section& section);
 
 }  // namespace hapgrid

@@ -19,117 +19,113 @@ constexpr std::uint64_t kMaxFooterRatio = 16;
 template <class F>
 std::uint64_t sum(const Section& section, F&& of) {
   std::uint64_t sum = 0;
-  for (const ChunkInfo& chunk : section.footer.chunks) sum += of(chunk);
+  for (const ChunkInfo& chunk : section.chunks) sum += of(chunk);
   return sum;
 }
 
-/// Reads sections from the end of a file to its beginning.
-class BackwardReader {
- public:
-  explicit BackwardReader(std::shared_ptr<const InputFile> file) : file_(std::move(file)) {
-    if (file_->size() == 0) throw FormatError(format("{}: empty, not a shard", file_->name()));
-    if (starts_with_zstd_frame(*file_)) return;
-    fail_compressed();
-    fail(0, "not a shard: no zstd frame");
-  }
+[[noreturn]] void fail(const InputFile& file, std::uint64_t offset, const std::string& what) {
+  throw FormatError(format("{}: {}", at(file, offset), what));
+}
 
-  /// The section that ends at `end`.
-  Section read(std::uint64_t end) {
-    Section section;
-    section.file = file_;
-    section.end = end;
-    const std::uint64_t footer = read_footer(end, section.footer);
-    place_chunks(footer, section);
-    std::uint64_t at = section.begin;
-    decode(at, section.footer.header_size, [&](schema::Message::Reader message) {
-      if (!message.isHeader())
-        throw FormatError("damaged: no header where a footer's section starts");
-      section.header = decode_header(message.getHeader());
-    });
-    const Digest header = digest_of(std::as_bytes(std::span(words_)));
-    if (section_digest(header, section.footer.chunks) != section.footer.digest)
-      fail(footer, "damaged: the digest in the footer does not fit the content");
-    check_order(footer, section);
-    return section;
-  }
+/// Throws where the file is a shard, or anything else, that was compressed as a whole.
+void fail_compressed(const InputFile& file) {
+  if (const std::string by = outer_compression(file); !by.empty())
+    fail(file, 0,
+         format("this is {}, not a shard: unpack it first. Shards are compressed already", by));
+}
 
- private:
-  [[noreturn]] void fail(std::uint64_t offset, const std::string& what) const {
-    throw FormatError(format("{}: {}", at(*file_, offset), what));
-  }
+/// Throws where a file cannot be a shard.
+void require_zstd_frames(const InputFile& file) {
+  if (file.size() == 0) throw FormatError(format("{}: empty, not a shard", file.name()));
+  if (starts_with_zstd_frame(file)) return;
+  fail_compressed(file);
+  fail(file, 0, "not a shard: no zstd frame");
+}
 
-  /// Throws where the file is a shard, or anything else, that was compressed as a whole.
-  void fail_compressed() const {
-    if (const std::string by = outer_compression(*file_); !by.empty())
-      fail(0,
-           format("this is {}, not a shard: unpack it first. Shards are compressed already", by));
+/// Decodes the zstd frame at `offset`, and hands its message to use(). Answers the message's
+/// digest.
+template <class F>
+Digest decode(const InputFile& file, std::uint64_t offset, std::uint64_t size, F&& use) {
+  std::vector<std::byte> stored(size);
+  stored.resize(file.read(offset, stored));
+  MessageWords words;
+  try {
+    decode_zstd_frame(stored, std::max(kMaxHeaderBytes, kMaxFooterRatio * size), "shard", words);
+    read_message<schema::Message>(words, use);
+  } catch (const FormatError& e) {
+    fail(file, offset, e.what());
   }
+  return digest_of(std::as_bytes(std::span(words)));
+}
 
-  /// Answers where the footer starts.
-  std::uint64_t read_footer(std::uint64_t end, SectionFooter& footer) {
-    Locator locator;
-    const auto bytes = std::as_writable_bytes(std::span(&locator, 1));
-    if (end < bytes.size() || file_->read(end - bytes.size(), bytes) != bytes.size() ||
-        !locator.is_valid()) {
-      if (end == file_->size()) fail_compressed();
-      fail(end, "truncated: a shard ends with an index");
-    }
-    const std::uint64_t footer_end = end - bytes.size();
-    if (locator.footer > footer_end) fail(footer_end, "damaged: the footer is not in the file");
-    const std::uint64_t offset = footer_end - locator.footer;
-    decode(offset, locator.footer, [&](schema::Message::Reader message) {
-      if (!message.isFooter()) throw FormatError("damaged: no footer where there must be one");
-      footer = decode_footer(message.getFooter());
-    });
-    return offset;
+/// Answers where the footer starts.
+std::uint64_t read_footer(Section& section) {
+  const InputFile& file = *section.file;
+  const std::uint64_t end = section.end;
+  Locator locator;
+  const auto bytes = std::as_writable_bytes(std::span(&locator, 1));
+  if (end < bytes.size() || file.read(end - bytes.size(), bytes) != bytes.size() ||
+      !locator.is_valid()) {
+    if (end == file.size()) fail_compressed(file);
+    fail(file, end, "truncated: a shard ends with an index");
   }
+  const std::uint64_t footer_end = end - bytes.size();
+  if (locator.footer > footer_end) fail(file, footer_end, "damaged: the footer is not in the file");
+  const std::uint64_t offset = footer_end - locator.footer;
+  decode(file, offset, locator.footer, [&](schema::Message::Reader message) {
+    if (!message.isFooter()) throw FormatError("damaged: no footer where there must be one");
+    decode_footer(message.getFooter(), section);
+  });
+  return offset;
+}
 
-  /// The zstd frames stand one after the other, the header's first, and end where the footer
-  /// starts.
-  void place_chunks(std::uint64_t footer, Section& section) const {
-    std::uint64_t size = section.footer.header_size;
-    for (const ChunkInfo& chunk : section.footer.chunks) size += chunk.size;
-    if (size > footer)
-      fail(footer, "truncated: the footer's section is larger than what stands before it");
-    section.begin = footer - size;
-    std::uint64_t offset = section.begin + section.footer.header_size;
-    for (ChunkInfo& chunk : section.footer.chunks) {
-      chunk.offset = offset;
-      offset += chunk.size;
-    }
+/// The zstd frames stand one after the other, the header's first, and end where the footer starts.
+void place_chunks(std::uint64_t footer, Section& section) {
+  std::uint64_t size = section.header_size;
+  for (const ChunkInfo& chunk : section.chunks) size += chunk.size;
+  if (size > footer)
+    fail(*section.file, footer,
+         "truncated: the footer's section is larger than what stands before it");
+  section.begin = footer - size;
+  std::uint64_t offset = section.begin + section.header_size;
+  for (ChunkInfo& chunk : section.chunks) {
+    chunk.offset = offset;
+    offset += chunk.size;
   }
+}
 
-  void check_order(std::uint64_t footer, const Section& section) const {
-    const ChunkInfo* before = nullptr;
-    for (const ChunkInfo& chunk : section.footer.chunks) {
-      if (chunk.last_point < chunk.first_point ||
-          (before && chunk.first_point < before->last_point) || chunk.frontier > chunk.rows)
-        fail(footer, "damaged: chunks out of order");
-      before = &chunk;
-    }
+void check_order(std::uint64_t footer, const Section& section) {
+  const ChunkInfo* before = nullptr;
+  for (const ChunkInfo& chunk : section.chunks) {
+    if (chunk.last_point < chunk.first_point ||
+        (before && chunk.first_point < before->last_point) || chunk.frontier > chunk.rows)
+      fail(*section.file, footer, "damaged: chunks out of order");
+    before = &chunk;
   }
+}
 
-  /// Decodes the zstd frame at `offset` and hands its message to use(); stored_ and words_ hold it.
-  template <class F>
-  void decode(std::uint64_t offset, std::uint64_t size, F&& use) {
-    stored_.resize(size);
-    stored_.resize(file_->read(offset, stored_));
-    try {
-      decoder_.decode(stored_, std::max(kMaxHeaderBytes, kMaxFooterRatio * size), words_);
-      read_message<schema::Message>(words_, use);
-    } catch (const FormatError& e) {
-      fail(offset, e.what());
-    }
-  }
-
-  std::shared_ptr<const InputFile> file_;
-  ZstdFrameDecoder decoder_{"shard"};
-  std::vector<std::byte> stored_;
-  MessageWords words_;
-};
+/// The section that ends at `end`.
+Section read_section(const std::shared_ptr<const InputFile>& file, std::uint64_t end) {
+  Section section;
+  section.file = file;
+  section.end = end;
+  const std::uint64_t footer = read_footer(section);
+  place_chunks(footer, section);
+  const Digest header =
+      decode(*file, section.begin, section.header_size, [&](schema::Message::Reader message) {
+        if (!message.isHeader())
+          throw FormatError("damaged: no header where a footer's section starts");
+        section.header = decode_header(message.getHeader());
+      });
+  if (section_digest(header, section.chunks) != section.digest)
+    fail(*file, footer, "damaged: the digest in the footer does not fit the content");
+  check_order(footer, section);
+  return section;
+}
 
 }  // namespace
 
+std::string Section::name() const { return format("{:016x}{:016x}", digest.high, digest.low); }
 std::uint64_t Section::records() const {
   return sum(*this, [](const ChunkInfo& chunk) { return chunk.rows; });
 }
@@ -144,10 +140,10 @@ std::vector<Section> open_sections(const std::vector<std::string>& names) {
   std::vector<Section> sections;
   for (const std::string& name : names) {
     const auto file = std::make_shared<const InputFile>(name);
-    BackwardReader reader(file);
+    require_zstd_frames(*file);
     std::vector<Section> found;
     for (std::uint64_t end = file->size(); end > 0; end = found.back().begin)
-      found.push_back(reader.read(end));
+      found.push_back(read_section(file, end));
     sections.insert(sections.end(), std::make_move_iterator(found.rbegin()),
                     std::make_move_iterator(found.rend()));
   }

@@ -18,10 +18,15 @@ struct Section {
   std::uint64_t begin = 0;  ///< in the file, with header and locator
   std::uint64_t end = 0;
   SectionHeader header;
-  SectionFooter footer;
+  // Its index, the footer:
+  std::uint32_t header_size = 0;  ///< of the header's zstd frame
+  std::vector<ChunkInfo> chunks;
+  Digest digest;
 
-  std::uint64_t records() const;      ///< of requests: their source records
-  std::uint64_t frontier() const;     ///< records
+  std::uint64_t size() const { return end - begin; }  ///< bytes, as it is stored
+  std::string name() const;                           ///< its digest in hex: which grid it is
+  std::uint64_t records() const;                      ///< of requests: their source records
+  std::uint64_t frontier() const;                     ///< records
   std::uint64_t conversions() const;  ///< that the frontier asks for; of requests: how many
 };
 

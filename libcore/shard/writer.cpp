@@ -124,13 +124,13 @@ class SectionWriter::Encoder {
 
 SectionWriter::SectionWriter(int fd, const std::string& name, const SectionHeader& header,
                              Packing packing)
-    : header_(header),
-      row_size_(header.spec.row_size()),
+    : row_size_(header.spec.row_size()),
       neighbourhood_(header.spec.box),
       encoder_(std::make_unique<Encoder>(fd, name, encoder_for(header.content, packing))),
       row_limit_(header.content != Content::kGrid ? chunk_requests(row_size_)
                  : packing == Packing::kSmall     ? chunk_points(row_size_, kLargeChunkBytes)
                                                   : chunk_points(row_size_)) {
+  section_.header = header;
   const std::size_t rows = row_limit_;
   point_ = std::make_unique_for_overwrite<PointIndex[]>(rows);
   level_ = std::make_unique_for_overwrite<Level[]>(rows);
@@ -144,7 +144,7 @@ SectionWriter::SectionWriter(int fd, const std::string& name, const SectionHeade
   encoder_->write(kHeaderWords, [&](schema::Message::Builder message) {
     encode_header(header, message.initHeader());
   });
-  footer_.header_size = encoder_->size();
+  section_.header_size = encoder_->size();
   header_digest_ = encoder_->digest();
 }
 SectionWriter::~SectionWriter() = default;
@@ -190,7 +190,7 @@ void SectionWriter::enter_range(PointIndex point) {
 }
 
 void SectionWriter::count_frontier(PointIndex point, std::uint32_t generation) {
-  if (generation != header_.generation) return;
+  if (generation != section_.header.generation) return;
   ++frontier_;
   conversions_ += static_cast<std::uint32_t>(std::popcount(neighbourhood_.inside(point)));
 }
@@ -214,7 +214,7 @@ void SectionWriter::flush() {
   const auto rows = static_cast<unsigned>(rows_);
   // Each column ends at a word; there are row_size_ + 8 of them at most, and Cap'n Proto's own
   // words.
-  const unsigned numbers = header_.content == Content::kGrid ? rows : conversions_;
+  const unsigned numbers = section_.header.content == Content::kGrid ? rows : conversions_;
   const std::size_t bytes = (std::size_t{rows} + numbers) * (record_bytes(row_size_) + kDirections);
   encoder_->write(bytes / sizeof(std::uint64_t) + 64, [&](schema::Message::Builder message) {
     const auto fill_keys = [&](auto chunk) {
@@ -222,14 +222,14 @@ void SectionWriter::flush() {
       chunk.setLevel(bytes_of(level_, rows));
       return chunk;
     };
-    if (header_.content == Content::kRequests) {
+    if (section_.header.content == Content::kRequests) {
       auto chunk = fill_keys(message.initRequests());
       copy_column(chunk.initDirections(rows), directions_);
-      copy_rows(chunk, numbers, numbers_.get(), row_size_, header_.spec);
+      copy_rows(chunk, numbers, numbers_.get(), row_size_, section_.header.spec);
     } else {
       auto chunk = fill_keys(message.initRecords());
       copy_column(chunk.initGeneration(rows), generation_);
-      copy_rows(chunk, numbers, numbers_.get(), row_size_, header_.spec);
+      copy_rows(chunk, numbers, numbers_.get(), row_size_, section_.header.spec);
       chunk.setLinks(bytes_of(links_, rows * kDirections));
     }
   });
@@ -241,17 +241,17 @@ void SectionWriter::flush() {
   info.first_point = point_[0];
   info.last_point = point_[rows - 1];
   info.digest = encoder_->digest();
-  footer_.chunks.push_back(info);
+  section_.chunks.push_back(info);
   rows_ = 0;
   frontier_ = conversions_ = 0;
 }
 
 void SectionWriter::finish() {
   flush();
-  footer_.digest = section_digest(header_digest_, footer_.chunks);
-  const std::size_t words = 64 + footer_.chunks.size() * sizeof(ChunkInfo) / sizeof(std::uint64_t);
+  section_.digest = section_digest(header_digest_, section_.chunks);
+  const std::size_t words = 64 + section_.chunks.size() * sizeof(ChunkInfo) / sizeof(std::uint64_t);
   const auto frame = encoder_->write(words, [&](schema::Message::Builder message) {
-    encode_footer(footer_, message.initFooter());
+    encode_footer(section_, message.initFooter());
   });
   const Locator locator{.footer = frame.size()};
   encoder_->put(std::as_bytes(std::span(&locator, 1)));

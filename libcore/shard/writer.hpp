@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "libcore/shard/format.hpp"
+#include "libcore/shard/section.hpp"
 
 namespace hapgrid {
 
@@ -46,11 +46,10 @@ class SectionWriter {
   void count_frontier(PointIndex point, std::uint32_t generation);
   void flush();
 
-  SectionHeader header_;
+  Section section_;
   std::uint32_t row_size_;
   Neighbourhood neighbourhood_;
   std::unique_ptr<Encoder> encoder_;
-  SectionFooter footer_;
   Digest header_digest_;
   // The rows of the chunk that is being filled: rows_ of them, row_limit_ at most. The columns are
   // not initialised, because a small section touches little of them.

@@ -109,20 +109,13 @@ void add(Content& content, const ChunkInfo& chunk) {
                   chunk.last_point, chunk.digest.low, chunk.digest.high);
 }
 
-void add(Content& content, const RecordRows& rows) {
-  content.add_all(rows.point, rows.level, rows.generation, rows.numbers, rows.links);
-}
-void add(Content& content, const RequestRows& rows) {
-  content.add_all(rows.point, rows.level, rows.directions, rows.numbers);
-}
-
-template <class Rows>
 void add_rows(Content& content, const Section& section) {
   SectionReader reader(section);
-  Rows rows;
-  for (std::size_t i = 0; i < section.footer.chunks.size(); ++i) {
+  Chunk rows;
+  for (std::size_t i = 0; i < section.chunks.size(); ++i) {
     reader.read(i, rows);
-    add(content, rows);
+    content.add_all(rows.point, rows.level, rows.generation, rows.links, rows.directions,
+                    rows.numbers);
   }
 }
 
@@ -131,24 +124,21 @@ std::string read_shard(const std::string& name) {
   Content content;
   for (const Section& section : open_sections({name})) {
     content.add_all(section.header.content, section.header.generation, section.begin, section.end,
-                    section.footer.digest.low, section.footer.digest.high);
+                    section.digest.low, section.digest.high);
     add(content, section.header.spec);
-    for (const ChunkInfo& chunk : section.footer.chunks) add(content, chunk);
-    if (section.header.content == hapgrid::Content::kRequests)
-      add_rows<RequestRows>(content, section);
-    else
-      add_rows<RecordRows>(content, section);
+    for (const ChunkInfo& chunk : section.chunks) add(content, chunk);
+    add_rows(content, section);
   }
   return content.bytes();
 }
 
 /// As stats, verify and play take a grid.
 std::string load(const std::string& name) {
-  const LoadedGrid loaded = load_grid(name);
-  const Grid& grid = loaded.grid;
+  const Section section = open_grid(name);
+  const Grid grid = load_grid(section);
   Content content;
   add(content, grid.spec());
-  content.add_all(grid.generation(), loaded.digest, grid.records());
+  content.add_all(grid.generation(), section.name(), grid.records());
   for (RecordIndex r = 0; r < grid.records(); ++r)
     content.add_all(grid.point(r), grid.level(r), grid.record_generation(r), grid.row(r),
                     grid.links(r));
@@ -188,15 +178,16 @@ Session read_session(const std::string& name) {
 
 /// As play --device replay: reads it.
 Session read_recording(const std::string& name) {
-  const Recording recording = load_recording(name);
+  SessionReader reader(name);
+  const std::vector<DeviceInput> inputs = load_recording(reader);
   Session session;
-  session.ended_early = !recording.ended_early.empty();
+  session.ended_early = !reader.ended_early().empty();
   Content head;
-  add(head, recording.header);
+  add(head, reader.header());
   session.head = head.bytes();
-  for (const RecordedTick& tick : recording.ticks) {
+  for (const DeviceInput& tick : inputs) {
     Content content;
-    content.add_all(tick.number, tick.hip, tick.clutch, tick.stalled, tick.reset, tick.next,
+    content.add_all(tick.missed, tick.position, tick.clutch, tick.stalled, tick.reset, tick.next,
                     tick.begins);
     session.ticks.push_back(content.bytes());
   }

@@ -46,7 +46,7 @@ template <typename Run>
 int main_of(int argc, char** argv, int least, const char* usage, const Run& run) {
   if (argc < least) return std::fprintf(stderr, "%s\n", usage), 2;
   try {
-    return run(load_grid(argv[1]).grid, argc, argv);
+    return run(load_grid(argv[1]), argc, argv);
   } catch (const std::exception& e) {
     return std::fprintf(stderr, "%s: %s\n", argv[0], e.what()), 1;
   }

@@ -87,7 +87,7 @@ struct Played {
   Played(const Grid& grid, const MakeModel& make)
       : map(std::make_shared<const BranchNodes>(grid)),
         records(record_fields(grid, make, 1)),
-        energies(std::make_shared<const NodeEnergies>(grid, map.get(), records)),
+        energies(std::make_shared<const NodeEnergies>(node_energies(grid, records, map.get()))),
         interpolate(!records.energy.empty() && agreement(grid, records).is_good() ? hermite_force
                                                                                   : mean_force),
         fields(grid.spec(), make, true) {}
@@ -235,8 +235,7 @@ int run(const Grid& grid, int argc, char** argv) {
   };
   const std::uint64_t count = number(5, 20), seed = number(6, 1), speed = number(7, 20);
   const Played played(grid, make);
-  const std::optional<Grid> other =
-      argc > 10 ? std::optional(load_grid(argv[10]).grid) : std::nullopt;
+  const std::optional<Grid> other = argc > 10 ? std::optional(load_grid(argv[10])) : std::nullopt;
   const Grid& of = other ? *other : grid;
   const Paths paths(of, other ? record_fields(of, make, 1).force : played.records.force, kind,
                     static_cast<double>(speed), number(9, 4000));

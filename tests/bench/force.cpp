@@ -97,7 +97,8 @@ int run(const Grid& grid, int argc, char** argv) {
   const std::uint64_t seed = argc > 4 ? std::strtoull(argv[4], nullptr, 10) : 1;
   const auto map = std::make_shared<const BranchNodes>(grid);
   const RecordFields at_records = record_fields(grid, make, 2);
-  const auto energies = std::make_shared<const NodeEnergies>(grid, map.get(), at_records);
+  const auto energies =
+      std::make_shared<const NodeEnergies>(node_energies(grid, at_records, map.get()));
   const Fields fields(grid.spec(), make, false);
   std::vector<Force> forces;
   forces.push_back({"energy", NodeForce(energies, grid.box(), hermite_force)});

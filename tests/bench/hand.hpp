@@ -64,8 +64,8 @@ class Player {
       : grid_(grid),
         make_(make),
         map_(std::make_shared<const BranchNodes>(grid)),
-        energies_(
-            std::make_shared<const NodeEnergies>(grid, map_.get(), record_fields(grid, make, 2))) {}
+        energies_(std::make_shared<const NodeEnergies>(
+            node_energies(grid, record_fields(grid, make, 2), map_.get()))) {}
 
   /// @param late by how many ticks answers of the model beside the grid are; nothing: without it
   /// @param sink (const Tick&, const SimulatedDevice&, const SafetyCore&), in each tick

@@ -105,7 +105,7 @@ int play(const Options& options) {
   Follower follower(grid, options.rule, options.beside, /*must=*/!options.model.allowed.empty(),
                     /*live=*/false);
   const auto truth = simulation.truth
-                         ? traversals(TraversalRule::kModel, grid.loaded.grid, grid.create_exact)()
+                         ? traversals(TraversalRule::kModel, grid.grid, grid.create_exact)()
                          : nullptr;
   SafetyCore safety(settings.safety);
   Sessions sessions(*device, safety, grid.fields,
@@ -116,7 +116,7 @@ int play(const Options& options) {
       grid.spec(), grid.create, options.rate_hz, /*paced=*/false, caught_signal,
       std::min(settings.safety.max_force, settings.safety.gain * follower.force.largest()));
   PlayedForce force{follower.force, settings.safety.gain, mapping.scale()};
-  Log log(options.log, grid.loaded, grid.fields, options.rate_hz, /*paced=*/false, ~std::size_t{0},
+  Log log(options.log, grid, options.rate_hz, /*paced=*/false, ~std::size_t{0},
           {.limits = settings.safety,
            .scale = mapping.scale(),
            .traversal = options.rule,

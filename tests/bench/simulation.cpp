@@ -136,9 +136,8 @@ std::unique_ptr<SimulatedDevice> simulated_device(const Simulation& s, const Map
     return std::make_unique<SimulatedDevice>(
         s.device, [path](std::uint64_t, std::vector<Vec3>& targets) { targets = path; });
   }
-  const Vec3 one = mapping.handle(box.position({0, 0, 0}));
-  const Vec3 other =
-      mapping.handle(box.position({box.counts[0] - 1, box.counts[1] - 1, box.counts[2] - 1}));
+  const Vec3 one = mapping.handle(box.origin);
+  const Vec3 other = mapping.handle(box.high());
   Vec3 low, high;  // axes can be mirrored
   for (int a = 0; a < 3; ++a) {
     low[a] = std::min(one[a], other[a]);

@@ -48,11 +48,10 @@ inline std::span<const std::byte> bytes_of(const Words& words) {
 
 inline std::optional<Words> decode(std::span<const std::byte> frame) {
   constexpr std::uint64_t kLimit = 1 << 20;
-  static const ZstdFrameDecoder decoder("input");
   std::optional<Words> words;
   refusable([&] {
     Words decoded;
-    decoder.decode(frame, kLimit, decoded);
+    decode_zstd_frame(frame, kLimit, "input", decoded);
     words = std::move(decoded);
   });
   return words;

@@ -24,8 +24,8 @@ std::string refusal(std::span<const std::uint8_t> shard) {
   try {
     for (const Section& section : open_sections({memory.name()})) {
       SectionReader reader(section);
-      RecordRows rows;
-      for (std::size_t i = 0; i < section.footer.chunks.size(); ++i) reader.read(i, rows);
+      Chunk rows;
+      for (std::size_t i = 0; i < section.chunks.size(); ++i) reader.read(i, rows);
     }
     return "";
   } catch (const Error& e) {

@@ -27,7 +27,8 @@ void read_session(std::span<const std::byte> bytes) {
   refusable([&] { read_ticks({MemoryFile(bytes).take(), "session"}); });
   refusable([&] {
     const MemoryFile memory(bytes);
-    load_recording(memory.name());
+    SessionReader reader(memory.name());
+    load_recording(reader);
   });
 }
 

@@ -17,12 +17,10 @@ using namespace hapgrid::fuzz;
 namespace {
 
 /// The rows of a section, chunk by chunk, as expand and merge read them.
-template <class Rows>
 void read_rows(const Section& section) {
   SectionReader reader(section);
-  Rows rows;
-  for (std::size_t i = 0; i < section.footer.chunks.size(); ++i)
-    refusable([&] { reader.read(i, rows); });
+  Chunk rows;
+  for (std::size_t i = 0; i < section.chunks.size(); ++i) refusable([&] { reader.read(i, rows); });
 }
 
 /// The grid as play takes it, whatever its links are: along a diagonal of its box and back, a jump,
@@ -59,16 +57,13 @@ void read_shard(std::span<const std::byte> bytes) {
     MemoryFile memory(bytes);
     for (const Section& section : open_sections({memory.name()})) {
       small = small && section.header.spec.box.points() <= 1 << 16;
-      if (section.header.content == Content::kRequests)
-        read_rows<RequestRows>(section);
-      else
-        read_rows<RecordRows>(section);
+      read_rows(section);
     }
   });
   if (!small) return;
   refusable([&] {
     MemoryFile memory(bytes);
-    const Grid grid = load_grid(memory.name()).grid;
+    const Grid grid = load_grid(memory.name());
     check_grid(grid);
     play(grid);
   });
@@ -77,20 +72,21 @@ void read_shard(std::span<const std::byte> bytes) {
 /// The footer's header_size, its chunks' sizes and digests, and its own digest.
 void fit_footer(Words& words, std::span<const Framed> before) {
   if (before.empty()) return;
-  SectionFooter footer = read_message<schema::Message>(words, [](schema::Message::Reader in) {
+  Section section;
+  read_message<schema::Message>(words, [&](schema::Message::Reader in) {
     if (!in.isFooter()) throw FormatError("no footer");
-    return decode_footer(in.getFooter());
+    decode_footer(in.getFooter(), section);
   });
-  footer.header_size = static_cast<std::uint32_t>(before[0].size);
-  footer.chunks.resize(before.size() - 1);
+  section.header_size = static_cast<std::uint32_t>(before[0].size);
+  section.chunks.resize(before.size() - 1);
   for (std::size_t i = 1; i < before.size(); ++i) {
-    ChunkInfo& chunk = footer.chunks[i - 1];
+    ChunkInfo& chunk = section.chunks[i - 1];
     chunk.size = static_cast<std::uint32_t>(before[i].size);
     chunk.digest = before[i].digest;
   }
-  footer.digest = section_digest(before[0].digest, footer.chunks);
+  section.digest = section_digest(before[0].digest, section.chunks);
   capnp::MallocMessageBuilder builder;
-  encode_footer(footer, builder.initRoot<schema::Message>().initFooter());
+  encode_footer(section, builder.initRoot<schema::Message>().initFooter());
   const auto flat = capnp::messageToFlatArray(builder);
   words.resize(flat.size());
   std::memcpy(words.data(), flat.begin(), flat.size() * sizeof(std::uint64_t));

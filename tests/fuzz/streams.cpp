@@ -62,12 +62,12 @@ void take_imd(Bytes all) {
 
 /// What a terminal sends: wherever keys lead, the HIP stays in its box.
 void take_keys(Bytes bytes) {
-  const HipRange range{.start = {0, 0, 0}, .low = {-1, -2, 0}, .high = {1, 2, 3}};
-  KeyReader keys(range, 0.1);
+  const Box box{{-1, -2, 0}, 1, {3, 5, 4}};
+  KeyReader keys(box, {0, 0, 0}, 0.1);
   for (const std::uint8_t byte : bytes) {
     keys.read(byte);
     for (int a = 0; a < 3; ++a)
-      if (!(keys.target()[a] >= range.low[a] && keys.target()[a] <= range.high[a]))
+      if (!(keys.target()[a] >= box.origin[a] && keys.target()[a] <= box.high()[a]))
         throw std::logic_error("out of the box");
   }
 }

@@ -135,7 +135,8 @@ constexpr double kMostMoved = (3 * 14 + 70 * 2 * 1.7321) * kStep;
 void play(const Case& made, bool is_fine, Input& input) {
   const Grid& grid = *made.grid;
   const auto map = std::make_shared<const BranchNodes>(grid);
-  const auto nodes = std::make_shared<const NodeEnergies>(grid, map.get(), made.fields);
+  const auto nodes =
+      std::make_shared<const NodeEnergies>(node_energies(grid, made.fields, map.get()));
   BranchTraversal traversal(grid, map);
   NodeForce force(nodes, grid.box(), hermite_force);
   SafetyLimits limits;
@@ -179,7 +180,7 @@ bool is_fine_grid(const Case& made) {
   const Grid& grid = *made.grid;
   const tiny::TestModel model(grid.spec(), nullptr);
   const BranchNodes map(grid);
-  const NodeEnergies nodes(grid, &map, made.fields);
+  const NodeEnergies nodes = node_energies(grid, made.fields, &map);
   return is_fine({check_coverage(grid), check_links(grid), check_finite(grid),
                   check_distinct(grid, model), check_continuous(grid, map),
                   check_passive(grid, map, nodes)});

@@ -15,8 +15,8 @@
 #include "libcore/check/force_check.hpp"
 #include "libcore/check/snaps.hpp"
 #include "libcore/grid/describe.hpp"
-#include "libcore/grid/state_distance.hpp"
 #include "libcore/grid/vec3.hpp"
+#include "libcore/model/state_distance.hpp"
 #include "libcore/search/converter.hpp"
 #include "tools/check-model/remarks.hpp"
 #include "tools/check-model/rows.hpp"
@@ -58,7 +58,6 @@ class ModelWalker {
         model_(started(make_model)),
         second_(model_->info().processes == 1 && model_->is_process() ? nullptr
                                                                       : started(make_model)),
-        distance_(spec, [this](const double* a, const double* b) { return model_->equal(a, b); }),
         forces_(spec, *model_),
         around_(spec.box),
         random_(1),
@@ -181,7 +180,9 @@ class ModelWalker {
     for (std::size_t i = spec_.state_size; i < a.size(); ++i)
       if (!(std::abs(a[i] - b[i]) <= kStoredRounding * std::max(1.0, std::abs(a[i]))))
         return INFINITY;
-    return std::equal(a.begin(), a.begin() + spec_.state_size, b.begin()) ? 0 : distance_(a, b);
+    return std::equal(a.begin(), a.begin() + spec_.state_size, b.begin())
+               ? 0
+               : state_distance(*model_, a, b);
   }
 
   /// The same bits from a second model, and from this one, whatever it did in between.
@@ -254,7 +255,8 @@ class ModelWalker {
   void try_to_return(const Step& step, Findings& found) {
     if (!convert(step, ", on the way back", step.arrived, step.there, -1 * step.d, other_)) return;
     ++found.counted;
-    if (same(other_, step.from)) return returned_.push_back(distance_(other_, step.from));
+    if (same(other_, step.from))
+      return returned_.push_back(state_distance(*model_, other_, step.from));
     found.offend([&] {
       return text_of(step) + ": back in " + state_of(other_) + between(other_, step.from);
     });
@@ -286,7 +288,7 @@ class ModelWalker {
       return;
     ++found.counted;
     if (same(other_, step.arrived)) return;
-    apart_.push_back(distance_(other_, step.arrived));
+    apart_.push_back(state_distance(*model_, other_, step.arrived));
     found.offend([&] {
       return format("{}: at once {}, in two halves {}{}", text_of(step), state_text(step.arrived),
                     state_of(other_), between(other_, step.arrived));
@@ -374,7 +376,6 @@ class ModelWalker {
   const double most_seconds_;
   double start_ = 0, start_seconds_ = 0;  // of the walks; of a model
   std::unique_ptr<Model> model_, second_;
-  StateDistance distance_;
   ForceCheck forces_;
   Neighbourhood around_;
   SplitMix64 random_;

@@ -36,7 +36,7 @@ void judge(const Grid& grid, const RecordFields& fields, NodeForces& into) {
 }  // namespace
 
 NodeForces node_forces(const Grid& grid, const RecordFields& fields) {
-  NodeForces found{std::make_shared<NodeEnergies>(grid, fields), {}, {}};
+  NodeForces found{std::make_shared<NodeEnergies>(node_energies(grid, fields)), {}, {}};
   judge(grid, fields, found);
   return found;
 }

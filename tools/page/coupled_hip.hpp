@@ -21,7 +21,7 @@
 
 #include <utility>
 
-#include "libcore/device/device.hpp"
+#include "libcore/grid/box.hpp"
 
 namespace hapgrid {
 
@@ -40,7 +40,8 @@ std::pair<Vec3, Vec3> hand_range(const Box& box);
 /// The HIP on its spring. Real-time safe.
 class CoupledHip {
  public:
-  explicit CoupledHip(const HipRange& range);
+  /// @param box that the HIP does not leave. @param start where it begins
+  CoupledHip(const Box& box, const Vec3& start);
 
   /// The HIP `dt` seconds later; more than 4 ms count as 4 ms. @param hand, force finite; newtons.
   const Vec3& next(const Vec3& hand, const Vec3& force, double dt) noexcept;
@@ -48,7 +49,7 @@ class CoupledHip {
   double stiffness() const { return stiffness_; }
 
  private:
-  HipRange range_;
+  Box box_;
   double speed_;  // units a second
   double stiffness_;
   Vec3 x_;

@@ -90,8 +90,7 @@ struct Shapes {
 /// force.
 Vec3 free_place(const Grid& grid, const RecordFields& fields, double largest, const Vec3& near) {
   const Box& box = grid.box();
-  const Vec3 high = box.position({box.counts[0] - 1, box.counts[1] - 1, box.counts[2] - 1});
-  const Vec3 middle = 0.5 * (box.origin + high);
+  const Vec3 middle = 0.5 * (box.origin + box.high());
   const Vec3 wanted{0.7 * box.origin[0] + 0.3 * middle[0], middle[1], middle[2]};
   const bool has_energy = !fields.energy.empty();
   double top = 0;  // half of the highest energy above the lowest
@@ -235,11 +234,11 @@ PackedGrid pack_grid(const Grid& grid, const std::string& name, const MakeModel&
   const RecordFields of_records = record_fields(grid, create, all_threads());
   const NodeForces forces = node_forces(grid, of_records);
   const auto traversal = traversals(TraversalRule::kBranch, grid, create)();
-  forces.nodes->add_ghosts(grid, *traversal->branch_nodes());
+  add_ghosts(*forces.nodes, grid, *traversal->branch_nodes());
 
   PackedGrid packed;
   packed.scene = scene_of(spec, fields);
-  packed.scene.largest_force = std::min(kMaxForce, forces.nodes->largest_force());
+  packed.scene.largest_force = std::min(kMaxForce, largest_force(*forces.nodes));
   packed.force_scale = fields.force_scale();
   if (forces.has_energy())
     packed.lowest = *std::min_element(of_records.energy.begin(), of_records.energy.end());

@@ -28,12 +28,7 @@ namespace {
 constexpr std::uint32_t kMostTicks = 128;  // of a call of play()
 
 std::shared_ptr<NodeEnergies> energies_of(const UnpackedGrid& unpacked, const BranchNodes& map) {
-  return std::make_shared<NodeEnergies>(unpacked.grid, &map, unpacked.fields);
-}
-
-HipRange range_of(const Box& box, const Vec3& start) {
-  const Vec3 high = box.position({box.counts[0] - 1, box.counts[1] - 1, box.counts[2] - 1});
-  return {.start = start, .low = box.position({0, 0, 0}), .high = high};
+  return std::make_shared<NodeEnergies>(node_energies(unpacked.grid, unpacked.fields, &map));
 }
 
 struct Player {
@@ -46,7 +41,7 @@ struct Player {
         mapping({}, {.name = "hand"}, unpacked.grid.box()),
         safety(SafetyLimits{}),
         responder(mapping, traversal, safety, force),
-        hip(range_of(unpacked.grid.box(), start)) {
+        hip(unpacked.grid.box(), start) {
     unpacked.fields = {};  // the nodes have them
     frame.centres = unpacked.centres;
   }

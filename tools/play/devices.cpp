@@ -75,14 +75,13 @@ constexpr Form kForms[] = {
     {kProcess, Argument::kNeeded, "process:COMMAND", make_process},
 };
 
-HipRange hip_range(const PlaySettings& settings, const Box& box) {
-  HipRange range;
-  range.low = box.position({0, 0, 0});
-  range.high = box.position({box.counts[0] - 1, box.counts[1] - 1, box.counts[2] - 1});
+/// Where keys begin to move the HIP.
+Vec3 start_of(const PlaySettings& settings, const Box& box) {
+  const Vec3 low = box.origin, high = box.high();
+  Vec3 start;
   for (int a = 0; a < 3; ++a)
-    range.start[a] = std::clamp((range.low[a] + range.high[a]) / 2 + settings.mapping.offset[a],
-                                range.low[a], range.high[a]);
-  return range;
+    start[a] = std::clamp((low[a] + high[a]) / 2 + settings.mapping.offset[a], low[a], high[a]);
+  return start;
 }
 
 OpenDevice open_path(const std::string& file) {
@@ -94,27 +93,14 @@ OpenDevice open_path(const std::string& file) {
 }
 
 OpenDevice open_replay(const std::string& file) {
-  const Recording recording = load_recording(file);
-  if (!recording.ended_early.empty())
-    say("play", format("{}: the session ended early, at {}", file, recording.ended_early));
-  std::vector<DeviceInput> ticks;
-  ticks.reserve(recording.ticks.size());
-  std::uint64_t next = recording.ticks.front().number;
-  for (const RecordedTick& tick : recording.ticks) {
-    ticks.push_back({.position = tick.hip,
-                     .stalled = tick.stalled,
-                     .clutch = tick.clutch,
-                     .reset = tick.reset,
-                     .next = tick.next,
-                     .begins = tick.begins,
-                     .missed = tick.number - next,
-                     .slew_ns = tick.slew_ns});
-    next = tick.number + 1;
-  }
+  SessionReader session(file);
+  std::vector<DeviceInput> ticks = load_recording(session);
+  if (!session.ended_early().empty())
+    say("play", format("{}: the session ended early, at {}", file, session.ended_early()));
   const std::size_t count = ticks.size();
   return {.device = std::make_unique<ReplayDevice>(std::move(ticks)),
           .ticks = count,
-          .session = recording.header};
+          .session = session.header()};
 }
 
 OpenDevice open_adapter(AdapterProgram program) {
@@ -198,7 +184,7 @@ OpenDevice open_device(const DeviceChoice& device, const PlaySettings& settings,
     OpenDevice operator()(const PathFile& path) const { return open_path(path.file); }
     OpenDevice operator()(const ReplayFile& replay) const { return open_replay(replay.file); }
     OpenDevice operator()(const TerminalKeys&) const {
-      return live(std::make_unique<KeyboardDevice>(hip_range(settings, box), box.spacing / 2));
+      return live(std::make_unique<KeyboardDevice>(box, start_of(settings, box), box.spacing / 2));
     }
     OpenDevice operator()(const AdapterChoice& adapter) const {
       return open_adapter(adapter_program(adapter, settings, rate_hz));

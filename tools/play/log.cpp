@@ -7,18 +7,17 @@
 
 namespace hapgrid {
 
-Log::Log(const std::string& file, const LoadedGrid& loaded, const Fields& fields, double rate_hz,
-         bool paced, std::size_t ticks, const PlayedWith& with) {
-  const GridSpec& spec = loaded.grid.spec();
+Log::Log(const std::string& file, const PlayedGrid& grid, double rate_hz, bool paced,
+         std::size_t ticks, const PlayedWith& with) {
   if (file.empty()) return;
   if (is_session_name(file)) {
-    session_.emplace(file, session_header(spec, loaded.digest, rate_hz, with), paced);
+    session_.emplace(file, session_header(grid.spec(), grid.digest, rate_hz, with), paced);
     return;
   }
   // A paced play must not write before its end, so its storage has room for all ticks. Without
   // deadlines the log is written whenever the storage is full.
   constexpr std::size_t kChunk = 4096;
-  text_.emplace(file, spec, fields, rate_hz, paced ? ticks : std::min(ticks, kChunk));
+  text_.emplace(file, grid.spec(), grid.fields, rate_hz, paced ? ticks : std::min(ticks, kChunk));
 }
 
 void Log::add(const Tick& tick) {

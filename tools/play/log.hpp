@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "libcore/shard/reader.hpp"
+#include "tools/play/prepared.hpp"
 #include "tools/play/session_log.hpp"
 #include "tools/play/text_log.hpp"
 
@@ -14,8 +14,8 @@ class Log {
  public:
   /// @param file empty: no log. @param ticks the number of ticks to come, for a text.
   /// @throw std::system_error
-  Log(const std::string& file, const LoadedGrid& loaded, const Fields& fields, double rate_hz,
-      bool paced, std::size_t ticks, const PlayedWith& with);
+  Log(const std::string& file, const PlayedGrid& grid, double rate_hz, bool paced,
+      std::size_t ticks, const PlayedWith& with);
 
   /// Real-time safe when paced. @throw std::system_error when not.
   void add(const Tick& tick);

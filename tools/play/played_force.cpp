@@ -22,12 +22,12 @@ PlayForce::PlayForce(const Grid& grid, const BranchNodes* branches, const Fields
     : fields_(fields) {
   if (!records.valid()) return;
   const NodeForces found = records.get();
-  if (branches) found.nodes->add_ghosts(grid, *branches);
+  if (branches) add_ghosts(*found.nodes, grid, *branches);
   if (!found.has_energy())
     say("play", format("{}: the forces of the records are interpolated", found.why_not));
   if (!found.remark.empty()) say("play", found.remark);
   has_energy_ = found.has_energy();
-  largest_ = found.nodes->largest_force();
+  largest_ = largest_force(*found.nodes);
   nodes_.emplace(found.nodes, grid.box(), found.interpolate());
 }
 

@@ -15,16 +15,17 @@ namespace {
 // of the hand: so deep that a tremor does not reach its end.
 constexpr double kUnknownDepth = 1e-3;
 
-LoadedGrid playable(const std::string& name) {
-  LoadedGrid loaded = load_grid(name);
-  require_playable(loaded.grid, name == "-" ? "standard input" : name);
-  return loaded;
+Grid playable(const Section& section) {
+  Grid grid = load_grid(section);
+  require_playable(grid, section.file->name());
+  return grid;
 }
 
 }  // namespace
 
-PlayedGrid::PlayedGrid(const std::string& name, const ModelOptions& options)
-    : loaded(playable(name)),
+PlayedGrid::PlayedGrid(const Section& section, const ModelOptions& options)
+    : digest(section.name()),
+      grid(playable(section)),
       create([this, path = options.path] {
         return Plugin(spec().model, model_path(path)).create(spec().parameters);
       }),
@@ -34,11 +35,11 @@ PlayedGrid::PlayedGrid(const std::string& name, const ModelOptions& options)
 
 Follower::Follower(const PlayedGrid& grid, TraversalRule rule, const std::string& wanted, bool must,
                    bool live)
-    : records_(PlayForce::ask_records(rule, grid.loaded.grid, grid.create)),
-      traversal(traversals(rule, grid.loaded.grid, grid.create_exact)()),
-      beside(make_beside(wanted, must, live, grid.loaded.grid, traversal->branch_nodes(),
-                         grid.create_exact)),
-      force((traversal->walk_beside(beside.get()), grid.loaded.grid), traversal->branch_nodes(),
+    : records_(PlayForce::ask_records(rule, grid.grid, grid.create)),
+      traversal(traversals(rule, grid.grid, grid.create_exact)()),
+      beside(
+          make_beside(wanted, must, live, grid.grid, traversal->branch_nodes(), grid.create_exact)),
+      force((traversal->walk_beside(beside.get()), grid.grid), traversal->branch_nodes(),
             grid.fields, std::move(records_)) {}
 
 double PlayedForce::model_energy(const Traversal& traversal) const {

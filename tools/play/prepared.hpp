@@ -20,16 +20,21 @@ namespace hapgrid {
 /// A complete grid, and its model.
 struct PlayedGrid {
   /// @param name "-": standard input @throw Error, ModelError, std::system_error
-  PlayedGrid(const std::string& name, const ModelOptions& options);
+  PlayedGrid(const std::string& name, const ModelOptions& options)
+      : PlayedGrid(open_grid(name), options) {}
   PlayedGrid(const PlayedGrid&) = delete;
   PlayedGrid& operator=(const PlayedGrid&) = delete;
 
-  const GridSpec& spec() const { return loaded.grid.spec(); }
+  const GridSpec& spec() const { return grid.spec(); }
 
-  const LoadedGrid loaded;
+  const std::string digest;  ///< Section::name()
+  const Grid grid;
   const MakeModel create;        ///< the plug-in's
   const MakeModel create_exact;  ///< one that answers as the grid's did, also a process
   const Fields fields;
+
+ private:
+  PlayedGrid(const Section& section, const ModelOptions& options);
 };
 
 /// What follows the hand through a grid.

@@ -18,8 +18,9 @@ using Json = nlohmann::ordered_json;
 
 Json to_json(const Histogram& h) {
   Json bins = Json::array();
-  for (const Histogram::Bin& bin : h.bins())
-    bins.push_back({microseconds(bin.from), microseconds(bin.to), bin.count});
+  h.for_each_bin([&](std::int64_t from, std::int64_t to, std::uint64_t count) {
+    bins.push_back({microseconds(from), microseconds(to), count});
+  });
   return {{"p50_us", microseconds(h.quantile(0.5))},
           {"p99_us", microseconds(h.quantile(0.99))},
           {"p99.9_us", microseconds(h.quantile(0.999))},

@@ -5,7 +5,7 @@
 
 #include "libcore/follow/beside.hpp"
 #include "libcore/loop/loop.hpp"
-#include "libcore/scene/publisher.hpp"
+#include "tools/play/publisher.hpp"
 
 namespace hapgrid {
 

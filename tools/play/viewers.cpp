@@ -23,17 +23,17 @@ void complete(const Fields& fields, Frame& frame) {
   fields.shape(frame.position, frame.row, frame.centres);
 }
 
-/// Real-time safe: the snapshot's vectors have their sizes already.
-void fill(Snapshot& snapshot, const Tick& tick, double rate_hz) noexcept {
-  snapshot.tick = tick.number;
-  snapshot.time_s = static_cast<double>(tick.number) / rate_hz;
-  snapshot.hip = tick.hip;
-  snapshot.hand = tick.hand;
-  snapshot.position = tick.traversal.position();
-  snapshot.force = tick.force.force;
-  snapshot.jumps = tick.traversal.jumps();
+/// Real-time safe: the frame's vectors have their sizes already.
+void fill(Frame& frame, const Tick& tick, double rate_hz) noexcept {
+  frame.tick = tick.number;
+  frame.time_s = static_cast<double>(tick.number) / rate_hz;
+  frame.hip = tick.hip;
+  frame.hand = tick.hand;
+  frame.position = tick.traversal.position();
+  frame.force = tick.force.force;
+  frame.jumps = tick.traversal.jumps();
   const auto row = tick.traversal.row();
-  std::copy(row.begin(), row.end(), snapshot.row.begin());
+  std::copy(row.begin(), row.end(), frame.row.begin());
 }
 
 }  // namespace

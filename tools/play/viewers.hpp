@@ -9,7 +9,7 @@
 
 #include "libcore/loop/loop.hpp"
 #include "libcore/model/fields.hpp"
-#include "libcore/scene/publisher.hpp"
+#include "tools/play/publisher.hpp"
 
 namespace hapgrid {
 

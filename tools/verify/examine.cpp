@@ -12,6 +12,7 @@
 #include "libcore/check/invariants.hpp"
 #include "libcore/check/passive.hpp"
 #include "libcore/check/snaps.hpp"
+#include "libcore/check/steep.hpp"
 #include "libcore/model/model.hpp"
 #include "libcore/search/converter.hpp"
 #include "tools/common/node_forces.hpp"
@@ -52,16 +53,17 @@ Check prove_passive(const Grid& grid, const BranchNodes& branches, const RecordF
         format("play interpolates the forces of the records, which have no energy, because {}; "
                "make the grid finer, or give the model the energy of its force: see check-model",
                is_known ? gradient.meaning : forces.why_not));
-  forces.nodes->add_ghosts(grid, branches);
+  add_ghosts(*forces.nodes, grid, branches);
   return check_passive(grid, branches, *forces.nodes, make_model, threads);
 }
 
-Check measure_accuracy(const Grid& grid, const Examination& asked, const WalkModels& models) {
+Check measure_accuracy(const Grid& grid, const Examination& asked, const MakeModel& make_model,
+                       bool knows_force) {
   std::atomic<std::uint64_t> done{0};
   const ProgressLine progress = progress_of("accurate", done, asked.walks, "walks");
-  const Walked walked =
-      walk_grid(grid, asked.walks, asked.sample_seed, models, asked.threads, done);
-  return check_accurate(grid.spec(), walked, models.fields != nullptr, asked.accuracy);
+  const Walked walked = walk_grid(grid, asked.walks, asked.sample_seed, make_model,
+                                  traversals(kDefaultRule, grid, make_model), asked.threads, done);
+  return check_accurate(grid.spec(), walked, knows_force, asked.accuracy);
 }
 
 }  // namespace
@@ -113,19 +115,13 @@ std::vector<Check> examine(const Grid& grid, const Examination& asked) {
     gradient = check_gradient(grid, fields, sample, asked.recompute > 0 ? make_model : MakeModel());
     add(Check(gradient));
   }
-  add(check_steep(grid, fields.force, asked.rendering));
+  add(check_steep(grid, fields.force, asked.damping, asked.rate_hz, asked.scale));
   if (knows_force)
     add(prove_passive(grid, branches, fields, gradient,
                       asked.recompute > 0 ? MakeModel(make_model) : MakeModel(), asked.threads));
 
   // And between the points?
-  if (asked.walks > 0) {
-    WalkModels models{make_model, {}, traversals(kDefaultRule, grid, [&] {
-                        return create_model(*source, spec);
-                      })};
-    if (knows_force) models.fields = [&] { return Fields(spec, judge, /*wants_shape=*/false); };
-    add(measure_accuracy(grid, asked, models));
-  }
+  if (asked.walks > 0) add(measure_accuracy(grid, asked, make_model, knows_force));
   return checks;
 }
 

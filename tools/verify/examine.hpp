@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "libcore/check/report.hpp"
-#include "libcore/check/steep.hpp"
 #include "tools/common/models.hpp"
 
 namespace hapgrid {
@@ -17,7 +16,8 @@ struct Examination {
   std::uint64_t walks = 0;
   std::optional<double> accuracy;
   int threads = 1;
-  Rendering rendering;
+  double damping = 2, rate_hz = 1000;  ///< of the device, see check_steep()
+  std::optional<double> scale{};       ///< model's units of length for a metre of the hand
   ModelOptions model;
 };
 

@@ -106,14 +106,14 @@ std::string grid_page(const std::string& grid, const std::vector<std::string>& p
         "--html: this view cannot make a page of a grid, since it was built without clang for "
         "WebAssembly: install clang, lld, wasi-libc, libc++-dev-wasm32, libclang-rt-dev-wasm32, "
         "and build anew");
-  const LoadedGrid loaded = load_grid(grid);
-  const GridSpec& spec = loaded.grid.spec();
+  const Grid loaded = load_grid(grid);
+  const GridSpec& spec = loaded.spec();
   const std::string name = grid == "-" ? "standard input" : grid;
   Camera camera;
   camera.azimuth_degrees = render.azimuth_degrees;
   camera.elevation_degrees = render.elevation_degrees;
   const auto create = [&] { return Plugin(spec.model, model_path(path)).create(spec.parameters); };
-  const PackedGrid packed = pack_grid(loaded.grid, name, create, PictureAxes(camera).near);
+  const PackedGrid packed = pack_grid(loaded, name, create, camera.near());
   nlohmann::ordered_json data = page_scene(packed.scene, packed.first, render);
   data["own"] = player_data(packed, grid);
   std::string text = page_text(

@@ -96,7 +96,7 @@ PYTHON
 same "paced frames" "$(grep -c '^{"frame"' json)" \
   "$(sed -nE 's/play: frames written ([0-9]+), dropped [0-9]+/\1/p' err)"
 
-# A viewer that dies takes nothing away from play, with a pace or without; others are in unit/scene/publisher_test.cpp.
+# A viewer that dies takes nothing away from play, with a pace or without; others are in unit/play/publisher_test.cpp.
 for _ in {1..100}; do cat path; done >long
 for rate in '' '--rate 20000'; do
   # shellcheck disable=SC2086  # two words or none

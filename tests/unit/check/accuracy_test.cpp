@@ -45,15 +45,9 @@ Grid grid_of(Field field, const Box& box) {
 Walked walk(const Grid& grid, const tiny::TestModel::Convert& model, std::uint64_t walks,
             int threads = 2, std::uint64_t seed = 1) {
   std::atomic<std::uint64_t> done{0};
-  WalkModels models{[&] { return std::make_unique<tiny::TestModel>(grid.spec(), model); },
-                    {},
-                    [&] { return std::make_unique<PaperTraversal>(grid); }};
-  if (grid.spec().stored.force)
-    models.fields = [&] {
-      return Fields(
-          grid.spec(), []() -> std::unique_ptr<Model> { throw ModelError("none"); }, false);
-    };
-  Walked walked = walk_grid(grid, walks, seed, models, threads, done);
+  Walked walked = walk_grid(
+      grid, walks, seed, [&] { return std::make_unique<tiny::TestModel>(grid.spec(), model); },
+      [&] { return std::make_unique<PaperTraversal>(grid); }, threads, done);
   CHECK(done == walks);
   CHECK(walked.places == walked.one_branch.size() + walked.empty + walked.mixed + walked.parted);
   return walked;

@@ -27,7 +27,7 @@ std::unique_ptr<Model> make() { return hung_ball::make(); }
 
 Check passive(const Grid& grid, const RecordFields& fields) {
   const BranchNodes map(grid);
-  return check_passive(grid, map, NodeEnergies(grid, &map, fields), make, 2);
+  return check_passive(grid, map, node_energies(grid, fields, &map), make, 2);
 }
 
 }  // namespace
@@ -84,7 +84,7 @@ TEST_CASE("a grid with exchanged links that lift the ball for nothing is not pro
   // Whether it is lifted depends on where it snaps. The model, which does not snap there, is left
   // to `fidelity`.
   const BranchNodes map(exchanged);
-  const NodeEnergies nodes(exchanged, &map, fields_of(exchanged));
+  const NodeEnergies nodes = node_energies(exchanged, fields_of(exchanged), &map);
   CHECK(check_passive(exchanged, map, nodes).verdict() == "not proved");
 }
 
@@ -104,7 +104,7 @@ TEST_CASE("where the place of a snap decides, the model is asked") {
       fields.energy.push_back(side == 0 ? 0 : a * (side * x - c));
       fields.force.push_back({-side * a, 0, 0});
     }
-    const NodeEnergies nodes(line, &map, fields);
+    const NodeEnergies nodes = node_energies(line, fields, &map);
     CHECK(check_passive(line, map, nodes).verdict() == "not proved");
     const Check asked = check_passive(
         line, map, nodes, [] { return hung_ball::make(); }, 2);

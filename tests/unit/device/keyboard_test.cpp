@@ -19,11 +19,12 @@ using namespace hapgrid;
 
 namespace {
 
-const HipRange kKeyRange{.start = {0, 0, 0}, .low = {-1, -1, -1}, .high = {1, 1, 1}};
+const Box kBox{{-1, -1, -1}, 1, {3, 3, 3}};
+const Vec3 kStart{0, 0, 0};
 constexpr double kStep = 0.25;
 
 Vec3 after(std::string_view bytes) {
-  KeyReader reader(kKeyRange, kStep);
+  KeyReader reader(kBox, kStart, kStep);
   for (const char c : bytes) reader.read(static_cast<unsigned char>(c));
   return reader.target();
 }
@@ -51,7 +52,7 @@ TEST_CASE("other keys") {
   CHECK(after("\x1b[C\x1b[A0") == Vec3{0, 0, 0});
   CHECK(after("\x1b[H\x1b[3~xyz\x1bx") == Vec3{0, 0, 0});
   CHECK(after("\x1b[C\x1b[C\x1b[C\x1b[C\x1b[C\x1b[C")[0] == 1);  // not out of the box
-  KeyReader reader(kKeyRange, kStep);
+  KeyReader reader(kBox, kStart, kStep);
   reader.read('r');
   CHECK(reader.resets() == 1);
   reader.read('n');
@@ -63,7 +64,7 @@ TEST_CASE("other keys") {
 
 TEST_CASE("whatever bytes come, the HIP stays in the box") {
   std::mt19937_64 random(1);
-  KeyReader reader(kKeyRange, kStep);
+  KeyReader reader(kBox, kStart, kStep);
   for (int i = 0; i < 200000; ++i) {
     const char* likely = "\x1b[O;~ABCD56+-=0";
     reader.read(random() % 2 ? static_cast<unsigned char>(likely[random() % 15])
@@ -81,7 +82,7 @@ bool follows_without_allocating() {
   const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY);
   if (terminal < 0 || ::grantpt(terminal) != 0 || ::unlockpt(terminal) != 0) return false;
   if (::open(::ptsname(terminal), O_RDWR) < 0) return false;  // now the session's own
-  KeyboardDevice keys(kKeyRange, kStep);
+  KeyboardDevice keys(kBox, kStart, kStep);
   if (::write(terminal, "\x1b[C", 3) != 3) return false;
   DeviceInput input;
   const auto begin = std::chrono::steady_clock::now();

@@ -80,7 +80,8 @@ TEST_CASE("the state and the force are the model's, and fade to the grid's when 
   t.walk_beside(&beside);
   RecordFields fields;
   for (int i = 0; i < 8; ++i) fields.force.push_back({-i / 10.0, 0, 0});
-  NodeForce force(std::make_shared<const NodeEnergies>(grid, fields), grid.box(), mean_force);
+  NodeForce force(std::make_shared<const NodeEnergies>(node_energies(grid, fields)), grid.box(),
+                  mean_force);
   // An answer is a tick late and looks ahead to where the hand is, but for the bend of its way, 1.5
   // / 50^2 at most. The wave is steepest where it is 0. In the first tick there is none.
   const double off = 1e-12 + 1.5 / 2500 * 2 * std::numbers::pi * kWave;

@@ -96,7 +96,8 @@ TEST_CASE(
   t.walk_beside(&beside);
   RecordFields fields;
   for (int i = 0; i < 8; ++i) fields.force.push_back({-i / 10.0, 0, 0});
-  NodeForce force(std::make_shared<const NodeEnergies>(grid, fields), grid.box(), mean_force);
+  NodeForce force(std::make_shared<const NodeEnergies>(node_energies(grid, fields)), grid.box(),
+                  mean_force);
   const auto step = [&](double x) {
     REQUIRE(t.step({x, 0, 0}).usable());
     return force(t)[0];

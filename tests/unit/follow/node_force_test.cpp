@@ -125,7 +125,7 @@ TEST_CASE("on a branch no closed way of the hand gains energy") {
   const Grid grid = random_grid(box, 1, 1, 2);
   const auto map = std::make_shared<const BranchNodes>(grid);
   const auto energies =
-      std::make_shared<const NodeEnergies>(grid, map.get(), random_fields(grid, 2));
+      std::make_shared<const NodeEnergies>(node_energies(grid, random_fields(grid, 2), map.get()));
   BranchTraversal t(grid, map);
   NodeForce force(energies, box, hermite_force);
   std::mt19937_64 random(2);
@@ -181,7 +181,7 @@ TEST_CASE("inside a grid a cubic energy comes back") {
     const RecordFields fields = fields_of(
         grid, [&](const Vec3& x) { return cubic.energy(x); },
         [&](const Vec3& x) { return cubic.force(x); });
-    const auto energies = std::make_shared<const NodeEnergies>(grid, nullptr, fields);
+    const auto energies = std::make_shared<const NodeEnergies>(node_energies(grid, fields));
     double largest = 0;
     for (const double e : fields.energy) largest = std::max(largest, std::abs(e));
     PaperTraversal t(grid);
@@ -209,7 +209,7 @@ TEST_CASE("beside free points a quadratic energy comes back where the hand pushe
   const auto push = [&](const Vec3& x) { return -depth(x) * n; };
   const RecordFields fields = fields_of(
       grid, [&](const Vec3& x) { return depth(x) * depth(x) / 2; }, push);
-  const auto energies = std::make_shared<const NodeEnergies>(grid, nullptr, fields);
+  const auto energies = std::make_shared<const NodeEnergies>(node_energies(grid, fields));
   PaperTraversal t(grid);
   NodeForce force(energies, box, hermite_force);
   std::mt19937_64 random(1);
@@ -262,7 +262,7 @@ TEST_CASE("ghosts are exact where forces are linear") {
     RecordFields fields = fields_of(grid, energy, force);
     for (RecordIndex r = 0; r < grid.records(); ++r)
       if (r == grid.first(grid.point(r))) fields.energy[r] += moved;
-    const NodeEnergies nodes(grid, &branches, fields);
+    const NodeEnergies nodes = node_energies(grid, fields, &branches);
     const double lowest = *std::min_element(fields.energy.begin(), fields.energy.end());
     for (Node ghost = grid.records(); ghost < grid.records() + branches.ghosts(); ++ghost) {
       const Vec3 x = box.position(branches.point(ghost));
@@ -286,8 +286,8 @@ TEST_CASE("whatever the links are, the force jumps only where the state does") {
   for (unsigned levels = 2; levels <= 4; ++levels) {
     const Grid grid = random_grid(box, 1, levels, levels);
     const auto map = std::make_shared<const BranchNodes>(grid);
-    const auto energies =
-        std::make_shared<const NodeEnergies>(grid, map.get(), random_fields(grid, levels));
+    const auto energies = std::make_shared<const NodeEnergies>(
+        node_energies(grid, random_fields(grid, levels), map.get()));
     BranchTraversal t(grid, map);
     NodeForce force(energies, box, hermite_force);
     std::mt19937_64 random(levels);

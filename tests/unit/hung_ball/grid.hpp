@@ -19,7 +19,7 @@ inline hapgrid::Grid grid(const hapgrid::Box& box) {
   write_shard(dir.file("seeds"), {Content::kGrid, 0, spec},
               [&](SectionWriter& out) { write_seeds(definition, spec, *model, out); });
   complete_shard(dir.file("seeds"), dir.file("grid"), 1, plugin);
-  return load_grid(dir.file("grid")).grid;
+  return load_grid(dir.file("grid"));
 }
 
 }  // namespace hung_ball

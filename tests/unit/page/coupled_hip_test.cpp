@@ -15,7 +15,8 @@ using namespace hapgrid;
 namespace {
 
 // The longest side is 2, so that the spring has 3 N / (2 / 3) = 4.5 N a unit.
-const HipRange kRange{.start = {0, 0, 0}, .low = {-1, -0.5, -0.5}, .high = {1, 0.5, 0.5}};
+const Box kBox{{-1, -0.5, -0.5}, 0.5, {5, 3, 3}};
+const Vec3 kStart{0, 0, 0};
 constexpr double kSpring = 4.5;
 constexpr double kTick = 0.001;
 
@@ -36,12 +37,12 @@ std::vector<double> pressed(CoupledHip& hip, double stiffness, double hand) {
 }  // namespace
 
 TEST_CASE("behind a wall the HIP makes k / (k + K) of the hand's motion, and does not swing") {
-  CHECK(CoupledHip(kRange).stiffness() == Approx(kSpring));
+  CHECK(CoupledHip(kBox, kStart).stiffness() == Approx(kSpring));
   // Up to K = b / dt = 30 k.
   for (const double stiffness : {1.0, 6.0, 60.0, 30 * kSpring}) {
     CAPTURE(stiffness);
     const double shown = kSpring / (kSpring + stiffness);
-    CoupledHip hip(kRange);
+    CoupledHip hip(kBox, kStart);
     double before = 0;
     for (const double hand : {0.1, 0.2, 0.4}) {
       const auto xs = pressed(hip, stiffness, hand);
@@ -55,7 +56,7 @@ TEST_CASE("behind a wall the HIP makes k / (k + K) of the hand's motion, and doe
 }
 
 TEST_CASE("beyond twice that stiffness it swings, but stays in the box and below its speed") {
-  CoupledHip hip(kRange);
+  CoupledHip hip(kBox, kStart);
   const auto xs = pressed(hip, 62 * kSpring, 0.4);
   CHECK(std::abs(xs[999] - xs[998]) > 1e-3);
   for (std::size_t i = 1; i < xs.size(); ++i)
@@ -63,7 +64,7 @@ TEST_CASE("beyond twice that stiffness it swings, but stays in the box and below
 }
 
 TEST_CASE("at a snap the HIP goes to the hand, with its time constant, and not beyond") {
-  CoupledHip hip(kRange);
+  CoupledHip hip(kBox, kStart);
   const double lag = 0.4 - pressed(hip, 60, 0.4).back();
   CHECK(lag == Approx(0.4 * 60 / 64.5));
   // The speed is a limit at first: 0.37 / 31 is above 8e-3 a tick.
@@ -77,12 +78,12 @@ TEST_CASE("at a snap the HIP goes to the hand, with its time constant, and not b
 }
 
 TEST_CASE("a leap of the hand, a hiccup and absurd numbers move the HIP no faster") {
-  CoupledHip hip(kRange);
+  CoupledHip hip(kBox, kStart);
   Vec3 last = hip.next({0, 0, 0}, {0, 0, 0}, 0);
   const auto step = [&](const Vec3& hand, const Vec3& force, double dt) {
     const Vec3 x = hip.next(hand, force, dt);
     REQUIRE(length_of(x - last) <= 2 * kHandSpeed * std::min(dt, 0.004) * (1 + 1e-9));
-    for (int a = 0; a < 3; ++a) REQUIRE((x[a] >= kRange.low[a] && x[a] <= kRange.high[a]));
+    for (int a = 0; a < 3; ++a) REQUIRE((x[a] >= kBox.origin[a] && x[a] <= kBox.high()[a]));
     last = x;
   };
   step({1, 0, 0}, {0, 0, 0}, kTick);

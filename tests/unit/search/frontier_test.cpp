@@ -14,11 +14,11 @@ TEST_CASE("blocks of a frontier are dealt out in turns, and parts differ by one 
     CAPTURE(total, parts);
     std::uint64_t sum = 0, least = ~std::uint64_t{0}, most = 0;
     for (std::uint64_t k = 1; k <= parts; ++k) {
-      const Partition part(total, {k, parts});
+      const Part part{k, parts};
       std::uint64_t mine = 0;
-      for (std::uint64_t c = 0; c < total; ++c) mine += part.mine(1, c);
-      REQUIRE(mine == part.size());
-      REQUIRE(part.has_any(0, total) == (mine > 0));
+      for (std::uint64_t c = 0; c < total; ++c) mine += part.mine(total, 1, c);
+      REQUIRE(mine == part.size(total));
+      REQUIRE(part.has_any(total, 0, total) == (mine > 0));
       sum += mine;
       least = std::min(least, mine);
       most = std::max(most, mine);
@@ -30,6 +30,6 @@ TEST_CASE("blocks of a frontier are dealt out in turns, and parts differ by one 
             (total / parts / 32 >= 1024 ? std::max<std::uint64_t>(block, 1024) : block));
   }
   // Numbers near the limits of a grid and of N.
-  const Partition last(std::uint64_t{1} << 45, {0xffffffff, 0xffffffff});
-  REQUIRE(last.size() <= (std::uint64_t{1} << 14));
+  const Part last{0xffffffff, 0xffffffff};
+  REQUIRE(last.size(std::uint64_t{1} << 45) <= (std::uint64_t{1} << 14));
 }

@@ -49,7 +49,7 @@ TEST_CASE("rounds of expand and merge are Algorithm 1, generation by generation"
       most_levels = std::max(most_levels, std::size_t(key.second) + 1);
     // The chunks that were copied from round to round are those of a search in memory.
     complete_shard(dir.file("grid"), dir.file("complete"), 2);
-    REQUIRE(load_grid(grid).digest == load_grid(dir.file("complete")).digest);
+    REQUIRE(open_grid(grid).digest == open_grid(dir.file("complete")).digest);
   }
   // Else the order of requests was not put to the test.
   REQUIRE(most_levels >= 4);

@@ -165,17 +165,18 @@ inline void expand_shard(const std::string& from, Part part, const std::string& 
 }
 
 inline void merge_shards(const std::vector<std::string>& from, const std::string& to) {
-  const MergeInput input = merge_input(open_sections(from));
-  const auto model = toy_plugin().create(input.grid.header.spec.parameters);
+  std::vector<Section> requests = open_sections(from);
+  const Section grid = take_grid(requests);
+  const auto model = toy_plugin().create(grid.header.spec.parameters);
   Progress progress;
   OutputFile out(to);
-  merge(input, *model, out.fd(), out.name(), progress);
+  merge(grid, requests, *model, out.fd(), out.name(), progress);
   out.commit();
 }
 
 /// Compares a grid with X, record by record.
 inline void require_same(const std::string& shard, const reference::Search& search) {
-  const Grid grid = load_grid(shard).grid;
+  const Grid grid = load_grid(shard);
   REQUIRE(grid.generation() == search.generation());
   REQUIRE(grid.records() == search.x().size());
   RecordIndex r = 0;

@@ -23,24 +23,27 @@ TEST_CASE("the hand's part of a session") {
   SessionWriter writer(file, small_header());
   for (const TickRecord& tick : ticks) writer.add(tick);
   writer.finish();
-  const Recording got = load_recording(file);
-  CHECK(got.header == small_header());
-  REQUIRE(got.ticks.size() == ticks.size());
+  SessionReader session(file);
+  const std::vector<DeviceInput> got = load_recording(session);
+  REQUIRE(got.size() == ticks.size());
   std::size_t wrong = 0;
   for (std::size_t i = 0; i < ticks.size(); ++i) {
-    const RecordedTick& tick = got.ticks[i];
+    const DeviceInput& tick = got[i];
     TickRecord copy = ticks[i];
-    copy.hip = tick.hip;
-    if (!same(copy, ticks[i]) || tick.number != ticks[i].number ||
+    copy.hip = tick.position;
+    if (!same(copy, ticks[i]) ||
+        tick.missed != (i == 0 ? 0 : ticks[i].number - ticks[i - 1].number - 1) ||
         tick.clutch != ((ticks[i].flags & 1) != 0) || tick.stalled != ((ticks[i].flags & 2) != 0))
       ++wrong;
   }
   CHECK(wrong == 0);
+  session.rewind();
+  CHECK(load_recording(session, 5000 * sizeof(DeviceInput)).size() == 5000);
+  session.rewind();
   CHECK_THROWS_WITH(
-      load_recording(file, 5000 * sizeof(RecordedTick) - 1),
-      file + ": 5000 ticks or more need " + std::to_string(5000 * sizeof(RecordedTick)) +
-          " bytes of memory, the limit is " + std::to_string(5000 * sizeof(RecordedTick) - 1));
-  CHECK(load_recording(file, 5000 * sizeof(RecordedTick)).ticks.size() == 5000);
+      load_recording(session, 5000 * sizeof(DeviceInput) - 1),
+      file + ": 5000 ticks or more need " + std::to_string(5000 * sizeof(DeviceInput)) +
+          " bytes of memory, the limit is " + std::to_string(5000 * sizeof(DeviceInput) - 1));
 }
 
 TEST_CASE("a replay gives back its ticks, and says what was missed") {

@@ -11,35 +11,30 @@ using namespace hapgrid;
 
 namespace {
 
-Row row_of(const RecordRows& rows, std::size_t r, std::uint32_t n) {
+Row record_of(const Chunk& rows, std::size_t r, std::uint32_t n) {
   Row row{rows.point[r], rows.level[r], rows.generation[r], {}, {}, 0};
   row.state.assign(rows.row(r), rows.row(r) + n);
   row.links.assign(&rows.links[r * kDirections], &rows.links[r * kDirections] + kDirections);
   return row;
 }
-Row row_of(const RequestRows& rows, std::size_t r, std::uint32_t n) {
+Row requests_of(const Chunk& rows, std::size_t r, std::uint32_t n) {
   Row row{rows.point[r], rows.level[r], 0, {}, {}, rows.directions[r]};
   const auto count = static_cast<std::size_t>(std::popcount(rows.directions[r]));
   row.state.assign(rows.row(rows.first[r]), rows.row(rows.first[r]) + count * n);
   return row;
 }
 
-template <class Rows>
 std::vector<Row> read_rows(const Section& section) {
+  const auto row_of = section.header.content == Content::kGrid ? record_of : requests_of;
   std::vector<Row> found;
   SectionReader reader(section);
-  Rows rows;
-  for (std::size_t i = 0; i < section.footer.chunks.size(); ++i) {
+  Chunk rows;
+  for (std::size_t i = 0; i < section.chunks.size(); ++i) {
     reader.read(i, rows);
     for (std::size_t r = 0; r < rows.size(); ++r)
       found.push_back(row_of(rows, r, section.header.spec.row_size()));
   }
   return found;
-}
-
-std::vector<Row> read_any(const Section& section) {
-  return section.header.content == Content::kRequests ? read_rows<RequestRows>(section)
-                                                      : read_rows<RecordRows>(section);
 }
 
 std::string bytes_of(const std::string& name) {
@@ -79,9 +74,9 @@ TEST_CASE("rows come back from a shard as they were") {
           for (const Row& row : rows) requests += row.state.size() / spec.row_size();
           REQUIRE(section.conversions() == requests);
         }
-        const std::size_t chunks = section.footer.chunks.size();
+        const std::size_t chunks = section.chunks.size();
         REQUIRE((wanted > 1 ? chunks >= 2 : chunks == rows.size()));
-        REQUIRE(read_any(section) == rows);
+        REQUIRE(read_rows(section) == rows);
         // The same rows are the same bytes.
         write(dir.file("again"), header, rows);
         REQUIRE(bytes_of(dir.file("shard")) == bytes_of(dir.file("again")));
@@ -104,11 +99,11 @@ TEST_CASE("chunks of a grid stay below 64 KiB, or 1 MiB, and keep to their point
       write(dir.file("shard"), header, rows, packing);
       const Section section = open_grid(dir.file("shard"));
       const std::uint32_t points = chunk_points(n, most);
-      for (const ChunkInfo& chunk : section.footer.chunks) {
+      for (const ChunkInfo& chunk : section.chunks) {
         REQUIRE((chunk.rows == 1 || chunk.rows * record_bytes(n) <= most));
         REQUIRE(chunk.first_point / points == chunk.last_point / points);
       }
-      REQUIRE(read_any(section) == rows);
+      REQUIRE(read_rows(section) == rows);
     }
   }
 }
@@ -133,7 +128,7 @@ TEST_CASE("sections that are concatenated are found again, from any number of fi
     const std::vector<Section> opened = open_sections(names);
     REQUIRE(opened.size() == written.size());
     for (std::size_t s = 0; s < opened.size(); ++s) {
-      REQUIRE(read_any(opened[s]) == written[s]);
+      REQUIRE(read_rows(opened[s]) == written[s]);
       bytes += opened[s].end - opened[s].begin;
     }
     for (const std::string& name : names) bytes -= std::filesystem::file_size(name);

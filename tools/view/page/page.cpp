@@ -72,7 +72,6 @@ Json page_scene(const Scene& scene, const Frame& frame, const RenderOptions& opt
   const Box& box = scene.box;
   Camera camera;
   const auto extent = fit_extent(scene, frame, options, camera);
-  const PictureAxes axes(camera);
   const auto [hand_low, hand_high] = hand_range(box);
   Json data = {{"model", printable_line(scene.model)},
                {"energy_label", energy_label(scene.energy_unit)},
@@ -81,8 +80,7 @@ Json page_scene(const Scene& scene, const Frame& frame, const RenderOptions& opt
                {"ball_part", kBallPart},
                {"stick_part", kStickPart},
                {"low", box.origin},
-               {"high", box.position(GridCoordinates{box.counts[0] - 1, box.counts[1] - 1,
-                                                     box.counts[2] - 1})},
+               {"high", box.high()},
                {"hand_low", hand_low},
                {"hand_high", hand_high},
                {"hip_radius", hip_radius(scene, options)},
@@ -123,7 +121,7 @@ Json page_scene(const Scene& scene, const Frame& frame, const RenderOptions& opt
                  {"smallest", kSmallest},
                  {"names_width", names_width(scene)},
                  {"names_part", kNamesPart}}},
-               {"axes", {axes.right, axes.up, axes.near}},
+               {"axes", {camera.right(), camera.up(), camera.near()}},
                {"centre", camera.centre},
                {"extent", extent},
                {"lengths", Json::array()},

@@ -1,4 +1,4 @@
-#include "libcore/scene/publisher.hpp"
+#include "tools/play/publisher.hpp"
 
 #include <limits.h>
 #include <poll.h>
@@ -20,16 +20,17 @@ namespace hapgrid {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using SteadyClock = std::chrono::steady_clock;
 
 constexpr std::chrono::nanoseconds kPeriod{1'000'000'000 / kLiveFramesPerSecond};
 constexpr std::chrono::seconds kLinger{1};
 constexpr int kAskEveryMs = 20;
 
-Snapshot empty_snapshot(std::size_t row_size) {
-  Snapshot snapshot;
-  snapshot.row.resize(row_size);
-  return snapshot;
+Frame empty_frame(std::size_t row_size, std::size_t spheres) {
+  Frame frame;
+  frame.row.resize(row_size);
+  frame.centres.resize(3 * spheres);
+  return frame;
 }
 
 }  // namespace
@@ -44,14 +45,13 @@ FramePublisher::FramePublisher(OutputFile output, const Scene& scene, std::size_
       ticks_per_frame_(static_cast<std::uint64_t>(
           std::max(1.0, std::round(ticks_per_second / kFramesPerSecond)))),
       stopped_([&stop] { return stop.load(std::memory_order_relaxed) != 0; }),
-      buffer_(empty_snapshot(row_size)) {
+      buffer_(empty_frame(row_size, scene.spheres.size())) {
   // A pipe that poll() calls writable takes PIPE_BUF bytes. O_NONBLOCK would work for any number,
   // but it belongs to the pipe: other writers would see it too.
   struct stat status {};
   const bool regular = ::fstat(output_.fd(), &status) == 0 && S_ISREG(status.st_mode);
   piece_ = regular ? std::numeric_limits<std::size_t>::max() : PIPE_BUF;
-  static_cast<Snapshot&>(frame_) = buffer_.front();
-  frame_.centres.resize(3 * scene.spheres.size());
+  frame_ = buffer_.front();
   encoder_.encode(frame_, scene_.state_size);  // takes the memory for all of them
   if (!paced_) {
     write(encoder_.encode(scene_), stopped_);
@@ -100,12 +100,12 @@ FrameCounts FramePublisher::finish() {
 
 /// The slow thread.
 void FramePublisher::run(const std::stop_token& token) {
-  const auto start = Clock::now();
-  std::optional<Clock::time_point> patience;
+  const auto start = SteadyClock::now();
+  std::optional<SteadyClock::time_point> patience;
   const GiveUp give_up = [&] {
     if (!token.stop_requested()) return false;
-    if (!patience) patience = Clock::now() + kLinger;
-    return Clock::now() >= *patience;
+    if (!patience) patience = SteadyClock::now() + kLinger;
+    return SteadyClock::now() >= *patience;
   };
   std::unique_lock lock(mutex_);
   write(encoder_.encode(scene_), give_up);
@@ -113,7 +113,7 @@ void FramePublisher::run(const std::stop_token& token) {
     const bool last = token.stop_requested();  // asked first: then nothing newer can come
     const bool was_open = open();
     write_newest(give_up, lock);
-    const auto late = static_cast<std::uint64_t>((Clock::now() - start) / kPeriod);
+    const auto late = static_cast<std::uint64_t>((SteadyClock::now() - start) / kPeriod);
     if (was_open && late > due) counts_.dropped += late - due;
     if (last || !open()) return;
     due = std::max(due, late) + 1;
@@ -149,10 +149,10 @@ bool FramePublisher::write(std::span<const std::byte> message, const GiveUp& giv
   return true;
 }
 
-/// Completes and writes the newest snapshot, if there is a new one.
+/// Completes and writes the newest frame, if there is a new one.
 void FramePublisher::write_newest(const GiveUp& give_up, std::unique_lock<std::mutex>& lock) {
   if (!open() || !buffer_.update()) return;
-  static_cast<Snapshot&>(frame_) = buffer_.front();  // vectors keep their sizes: no allocation
+  frame_ = buffer_.front();  // vectors keep their sizes: no allocation
   lock.unlock();
   complete_(frame_);
   lock.lock();

@@ -1,5 +1,5 @@
 // From a haptic loop to a viewer that is awake, slow, asleep or dead.
-#include "libcore/scene/publisher.hpp"
+#include "tools/play/publisher.hpp"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -26,14 +26,14 @@ using Clock = std::chrono::steady_clock;
 
 std::atomic<int> stop{0};
 
-/// Completes with what a snapshot says, so that a torn one shows.
+/// Completes with what a frame says, so that a torn one shows.
 void complete(Frame& frame) {
   frame.energy = frame.row[0] + frame.row[2];
   std::fill(frame.centres.begin(), frame.centres.end(), static_cast<float>(frame.tick % 1000));
 }
 
 void offer(FramePublisher& publisher, std::uint64_t tick) {
-  Snapshot& s = publisher.next();
+  Frame& s = publisher.next();
   const auto t = static_cast<double>(tick);
   s.tick = tick;
   s.time_s = t / 1000;

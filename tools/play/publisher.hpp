@@ -39,7 +39,7 @@ class FramePublisher {
   using Complete = std::function<void(Frame&)>;
 
   /// @param output the file or pipe for frames.
-  /// @param row_size numbers in each snapshot's row; the scene's state_size or more.
+  /// @param row_size numbers in each frame's row; the scene's state_size or more.
   /// @param complete called from the slow thread when paced.
   /// @param ticks_per_second how much scripted time a tick is, for a play without a pace.
   /// @param stop becomes nonzero in a signal's handler: then a play without a pace no longer waits
@@ -51,10 +51,10 @@ class FramePublisher {
   FramePublisher(const FramePublisher&) = delete;
   FramePublisher& operator=(const FramePublisher&) = delete;
 
-  /// The snapshot of this tick: all of it must be set. Its vectors have their sizes already.
-  /// Real-time safe.
-  Snapshot& next() noexcept { return buffer_.back(); }
-  /// The snapshot is filled. Paced: real-time safe. @throw std::system_error when not paced.
+  /// The frame of this tick: all of it must be set but what `complete` sets. Its vectors have their
+  /// sizes already. Real-time safe.
+  Frame& next() noexcept { return buffer_.back(); }
+  /// The frame is filled. Paced: real-time safe. @throw std::system_error when not paced.
   void publish();
 
   /// Called after the last tick, which becomes the last frame. Waits at most a second for a slow
@@ -82,7 +82,7 @@ class FramePublisher {
   const bool paced_;
   const std::uint64_t ticks_per_frame_;  // without a pace
   const GiveUp stopped_;
-  TripleBuffer<Snapshot> buffer_;
+  TripleBuffer<Frame> buffer_;
   // While the slow thread runs, the members from here on belong to it. It holds the mutex, but
   // while it sleeps and in complete_.
   std::mutex mutex_;
@@ -91,7 +91,7 @@ class FramePublisher {
   FrameCounts counts_;
   // Without a pace.
   std::uint64_t due_ = 0;    // the tick from which on the next frame is due
-  bool left_ = false;        // the snapshot is no frame yet
+  bool left_ = false;        // the newest one is not written yet
   std::future<void> ended_;  // the slow thread
   std::jthread slow_;        // declared last: ends before what it uses
 };
