@@ -250,8 +250,7 @@ DeviceStatus ProcessDevice::send(const Vec3& force) noexcept {
 }
 
 DeviceStatus ProcessDevice::stop() noexcept {
-  if (stopped_) return stop_status_;
-  stopped_ = true;
+  if (stopped_.exchange(true)) return stop_status_;
   if (guard_.end())
     stop_status_ = DeviceStatus::kOk;
   else
@@ -313,7 +312,7 @@ std::string ProcessDevice::what() const {
   };
   // The guard may have seen the adapter's end first.
   const bool saw = fault_ == AdapterFault::kGuardGone && guard_.why() == kGuardClosed;
-  switch (saw ? AdapterFault::kGone : fault_) {
+  switch (saw ? AdapterFault::kGone : fault_.load()) {
     case AdapterFault::kNone:
       return "no error";
     case AdapterFault::kSilent:

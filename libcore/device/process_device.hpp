@@ -26,6 +26,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -132,14 +133,15 @@ class ProcessDevice : public Device {
   bool asked_ = false;        // its answer was not read yet
   bool snaps_ = false;        // with the next force
   Histogram delays_;
-  AdapterFault fault_ = AdapterFault::kNone;
+  std::atomic<AdapterFault> fault_ = AdapterFault::kNone;
   std::array<char, 512> message_{};  // the last one that came, of size_ bytes
   std::size_t size_ = 0;
   // For error():
   hapgrid_device_state wrong_{};  // that answered the force expected_
   std::uint32_t expected_ = 0;
-  bool stopped_ = false;
-  DeviceStatus stop_status_ = DeviceStatus::kFailed;
+  // stop() can come from the watchdog's thread, while the loop hangs or wakes up again.
+  std::atomic<bool> stopped_ = false;
+  std::atomic<DeviceStatus> stop_status_ = DeviceStatus::kFailed;
 };
 
 }  // namespace hapgrid
