@@ -70,10 +70,11 @@ bool PaperTraversal::set_corners(PointIndex base,
   for (int k = 0; k < 8; ++k) {
     levels_[k] = static_cast<Level>(records[k] - grid_.first(walk_.cells().point(base, k)));
     rows_[k] = grid_.row(records[k]).data();
-    // All rows are needed now, the links at the next switch.
+    // All rows are needed now; at the next switch the links, and where the next records begin.
     __builtin_prefetch(rows_[k]);
     __builtin_prefetch(rows_[k] + row_.size() - 1);
     __builtin_prefetch(grid_.links(records[k]).data());
+    grid_.fetch_levels(walk_.cells().point(base, k) + (base - walk_.base()));
   }
   return true;
 }
