@@ -61,11 +61,14 @@ def read(paths: Sequence[str], charge: int | None, unpaired: int | None, unit: s
     unpaired = (sum(first.numbers) - charge) % 2 if unpaired is None else unpaired
     known = {one.energy is not None for shapes, _ in given for one in shapes}
     if len(known) > 1:
-        raise BadInput(f"{paths[0]}: some frames have an energy, and others have none: remove theirs, and xtb computes all")
-    energies = [one.energy for shapes, _ in given for one in shapes if one.energy is not None]
-    if len(energies) >= mending.LEAST and not 0.01 < max(energies) - min(energies) < MOST_RANGE:
-        raise BadInput(f"{paths[0]}: the energies of its frames differ by {max(energies) - min(energies):.3g} kJ/mol, in the units "
-                       "of its titles: say the right one by --unit")
+        path, bare = next((path, one) for path, (shapes, _) in zip(paths, given) for one in shapes if one.energy is None)
+        raise BadInput(f"{path}: frame {bare.number} has no energy, and others have one: remove theirs, and xtb computes all")
+    energies = [(one.energy, path, one.number) for path, (shapes, _) in zip(paths, given) for one in shapes if one.energy is not None]
+    if len(energies) >= mending.LEAST:
+        low, high = min(energies), max(energies)
+        if not 0.01 < high[0] - low[0] < MOST_RANGE:
+            raise BadInput(f"{high[1]}: frame {high[2]} is {high[0] - low[0]:.3g} kJ/mol above frame {low[2]}, in the units of the titles: "
+                           "is it of another molecule or method, or its unit another one (--unit)?")
     return {"paths": [(_name(path), mending.mended(shapes, path, said.append)) for path, (shapes, _) in zip(paths, given)],
             "charge": charge, "unpaired": unpaired, "said": said, "known": bool(energies)}
 
@@ -167,7 +170,11 @@ def result(start: Start, energies: Callable[[list[Array]], list[float]]) -> Resu
     if not given["known"]:
         left = iter([value * HARTREE for value in energies([one.x / BOHR for one in everything])])
         given = {**given, "paths": [(name, [replace(one, energy=next(left)) for one in shapes]) for name, shapes in given["paths"]]}
-    rows = [(name, _even([(one.x, float(one.energy)) for one in shapes])) for name, shapes in given["paths"]]
+    rows = [(name, _evened(start, name, [(one.x, float(one.energy)) for one in shapes], energies)) for name, shapes in given["paths"]]
+    heights = [e for _, row in rows for _, e in row]
+    if max(heights) - min(heights) <= DENT:
+        raise Failed(f"--path: its energies differ by {max(heights) - min(heights):.2g} kJ/mol at most, and a barrier that is felt is "
+                     f"higher than {DENT:g} kJ/mol")
     branches = _tree(rows)
     numbers = list(everything[0].numbers)
     masses = np.array([MASSES[z] for z in numbers])
@@ -245,6 +252,17 @@ def _path(name: str, row: Row, start: int, x0: Array, rest: float, masses: Array
         nodes[-1 if start < len(row) - 1 else 0] = nodes[0 if start < len(row) - 1 else -1]
     stationary = kinds(energies, start)
     return Path(nodes, [(e if k != start else rest) / HARTREE for k, e in enumerate(energies)], start, stationary, name=name)
+
+
+def _evened(start: Start, name: str, row: Row, energies: Callable[[list[Array]], list[float]]) -> Row:
+    """_even(), with the method's energies if it gives those of the frames; what was done is said."""
+    even = _even(row)
+    if even is row:
+        return row
+    known = start.given is not None and start.given["known"]
+    start.folder.say(f"  {name}: {len(row)} frames, in steps that are uneven or many, become {len(even)} in even ones, with energies "
+                     + ("between those of the frames" if known else f"by {start.words}"))
+    return even if known else [(x, e * HARTREE) for (x, _), e in zip(even, energies([x / BOHR for x, _ in even]))]
 
 
 def _even(row: Row) -> Row:

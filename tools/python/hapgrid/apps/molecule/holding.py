@@ -114,6 +114,11 @@ def _goes(torsion: Torsion, x: Array, hold: Hold, masses: Array) -> float:
     return float(np.linalg.norm(way(turned, hold.atoms) - way(x, hold.atoms))) * BOHR
 
 
+def still(start: Start, hold: Hold, result: Result) -> list[str]:
+    """The names of the torsions that do not move what is held."""
+    return [t.name for t in start.turning if _goes(t, result.x, hold, result.masses) < LEAST_WAY]
+
+
 def weights(masses: Array, fixed: Sequence[int]) -> Array:
     if not fixed:
         return masses

@@ -31,6 +31,7 @@ ALL_BONDS = 4 | 8  # of RDKit: bonds between all atoms, each once
 METHODS = {"gfn2": "GFN2-xTB", "gfnff": "GFN-FF"}
 FEEL = """<p><a href="feel.html">Move the molecule with the mouse or a finger</a>: this page needs neither hapgrid nor a
 network, and can be sent to others."""
+OFTEN = """, whose barriers are often off by some kJ/mol, and for a few kinds of bonds by a factor of two"""
 # What follows "exactly this method's" on what to trust.
 TURNED = """; where several torsions are turned together, the model
 adds the energies of their paths. Bonds and angles follow the paths and do not yield to the hand, and rings keep their shape."""
@@ -95,7 +96,7 @@ def page(start: Start, turned: Sequence[Torsion], ways: Sequence[str], felt: lis
     given = start.given is not None
     parts = {
         "SHOWN": "The molecule on its path" if given else "The conformation, and the bonds that turn",
-        "TRUST": GIVEN if given else TURNED,
+        "TRUST": GIVEN if given else TURNED, "OFTEN": OFTEN if words.get("method") in METHODS else "",
         "TITLE": html.escape(start.source), "HEAD": formula(start.molecule.formula),
         "SAID": html.escape(folder.read(ways[0]).split("\n", 1)[0].lstrip("# ")),
         "FACTS": "".join(f"<dt>{key}<dd>{value if key == 'Formula' else html.escape(value)}"

@@ -98,7 +98,8 @@ def _one(given: Input, charge: int | None, unpaired: int | None) -> dict[str, An
     strange = [a for a in record.mol.GetAtoms() if a.GetAtomicNum() not in set(MASSES) - METALS]
     if strange:
         raise BadInput(f"{given.what}: {valences.named(record.mol, [strange[0].GetIdx()])}: only molecules of "
-                       f"{' '.join(SYMBOLS[z] for z in MASSES if z not in METALS)} can be felt: take the part without it")
+                       f"{' '.join(SYMBOLS[z] for z in MASSES if z not in METALS)} can be felt: take the part without it"
+                       + (", or give frames of a path (--path)" if strange[0].GetAtomicNum() in METALS else ""))
     mol, built = _completed(given, record, charge, unpaired)
     charge = Chem.GetFormalCharge(mol) if charge is None else charge
     _check(places_of(mol), given.what)
