@@ -336,7 +336,7 @@ std::string ChildProcess::how_it_ended() {
   if (child_.pid < 0) return "ended";
   hang_up();
   const bool by_itself = wait_until(Clock::now() + kEndingGrace);
-  const std::string how = reap();
+  std::string how = reap();
   if (by_itself) return how;
   has_given_up_ = false;
   return "closed its standard output and stayed";

@@ -33,7 +33,8 @@ bool grew_from(const Grid& later, const Grid& earlier) {
     const RecordIndex r = known++;
     if (r == earlier.records() || later.point(found) != earlier.point(r) ||
         later.level(found) != earlier.level(r) || generation != earlier.record_generation(r) ||
-        std::memcmp(later.row(found).data(), earlier.row(r).data(), later.row(found).size_bytes()))
+        std::memcmp(later.row(found).data(), earlier.row(r).data(),
+                    later.row(found).size_bytes()) != 0)
       return false;
     if (!earlier.in_frontier(r) && !std::ranges::equal(later.links(found), earlier.links(r)))
       return false;
