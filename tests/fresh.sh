@@ -17,6 +17,7 @@
 #   clone       as the last one, since it changes how build/ installs: pip installs from the clone itself, where Debian has
 #               scikit-build-core, which is 13 and newer
 #   with:CXX    everything compiles with clang++-16, g++-13 ..., without a warning
+#   tar:FILE    the bare root as a file, which can stand for SUITE later
 #   build       the folder build/ is taken out of the root; the clone has the same path there, so a build here goes on with it
 #
 # A table comes at the end: seconds, megabytes downloaded and installed from Debian's packages. The output of a step
@@ -227,6 +228,7 @@ inside() {
 }
 
 bare=$suite
+: >"$work/table"
 if [[ ! -f $bare ]]; then
   bare=$work/bare.tar
   mmdebstrap --quiet --variant=minbase --include=make,g++ "$suite" "$bare"
@@ -242,6 +244,10 @@ for step; do
   case $step in
     pip)
       try_pip
+      continue
+      ;;
+    tar:*)
+      cp "$bare" "${step#tar:}"
       continue
       ;;
     build)
@@ -265,6 +271,6 @@ for step; do
       ;;
   esac
 done
-printf '%-12s %-8s %7s %9s %9s\n' "$suite" result seconds 'MB down' 'MB disk'
+printf '%-12s %-8s %7s %9s %9s\n' "$(basename "$suite" .tar)" result seconds 'MB down' 'MB disk'
 cat "$work/table"
 ! grep -q FAILED "$work/table"
