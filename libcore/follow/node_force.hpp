@@ -50,10 +50,11 @@ struct NodeEnergy {
 /// of more energy: else a hand that goes in a circle through the snap would gain energy.
 using NodeEnergies = std::vector<NodeEnergy>;
 
-/// @param branches of this grid; null: of the records alone.
+/// By node: the records, and then the ghosts.
+/// @param fields force and energy by record @param branches of this grid; null: there are no ghosts
 NodeEnergies node_energies(const Grid& grid, const RecordFields& fields,
                            const BranchNodes* branches = nullptr);
-/// To those of the records.
+/// Appends the ghosts of `branches` to the energies of the records.
 void add_ghosts(NodeEnergies& nodes, const Grid& grid, const BranchNodes& branches);
 /// The largest force of a node, in newtons.
 double largest_force(const NodeEnergies& nodes);

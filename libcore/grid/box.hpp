@@ -41,7 +41,7 @@ struct Box {
     return {origin[0] + spacing * c[0], origin[1] + spacing * c[1], origin[2] + spacing * c[2]};
   }
   Vec3 position(PointIndex p) const { return position(coordinates(p)); }
-  /// The position of the last point.
+  /// The position of the last point, in the model's unit of length, as are all positions.
   Vec3 high() const {
     return position(GridCoordinates{counts[0] - 1, counts[1] - 1, counts[2] - 1});
   }

@@ -68,6 +68,29 @@ for one in "argon ase.calculators.lj:LennardJones(sigma=3.4,epsilon=0.208,rc=100
     fail "$name: $(paste <(profile "$name/$name.xyz") "$name.rises")"
   over "$name" 0 1
 done
+# Without two frames in a row the steps are uneven. Those that are put between have the calculator's energies: the closed form.
+awk '{ frame = int((NR - 1) / 6) } frame != 8 && frame != 9' argon.xyz >gap.xyz
+lennard_jones='ase.calculators.lj:LennardJones(sigma=3.4,epsilon=0.208,rc=1000)'
+hapgrid molecule gap.xyz --path --calculator "$lennard_jones" -o gap --until structures >line 2>said || fail "$(cat said)"
+grep -Eq 'gap: 19 frames, in steps that are uneven or many, become [0-9]+ in even ones, with energies by ase' said || fail "$(cat said)"
+/usr/bin/python3 - gap/gap.xyz <<'END' || fail "not the closed form"
+import itertools
+import re
+import sys
+import numpy as np
+lines = open(sys.argv[1]).read().split("\n")
+rises = []
+for n in range(0, len(lines) - 5, 6):
+    x = np.array([line.split()[1:4] for line in lines[n + 2:n + 6]], float)
+    pairs = [np.linalg.norm(a - b) for a, b in itertools.combinations(x, 2)]
+    rises.append((float(re.search(r"dE=(\S+)", lines[n + 1])[1]), sum(4 * 0.208 * ((3.4 / r)**12 - (3.4 / r)**6) for r in pairs) * 96.48533212))
+told, known = np.array(rises).T
+# Titles have three decimals, and the conformation's own energy is what others are above.
+assert len(told) > 15 and np.ptp(told - known) < 0.01, (told, known - known[0])
+END
+refuses 'molecule: --path: its energies differ by 0\.[0-9]* kJ/mol at most, and a barrier that is felt is higher than 1 kJ/mol' -- \
+  hapgrid molecule argon.xyz --path --calculator "${lennard_jones/0.208/0.002}" -o low --quiet
+grep -q 'barriers are often off' argon/index.html gold/index.html && fail 'the page judges a method that was not used'
 # Energies in the titles are another method's. What a calculator lacks, and a metal with bonds, is refused.
 sed "s/title/energy=-1.0/" gold.xyz >titled.xyz
 hapgrid molecule titled.xyz --path --calculator 'ase.calculators.emt:EMT()' -o titled --until structures >line 2>said || fail "$(cat said)"
@@ -75,7 +98,7 @@ grep -q 'the energies in the titles are not taken: --calculator computes them' s
 same "profile" "$(profile gold/gold.xyz)" "$(profile titled/titled.xyz)"
 refuses 'molecule: the calculator: NotImplementedError: No EMT-potential for Ar' -- \
   hapgrid molecule argon.xyz --path --calculator 'ase.calculators.emt:EMT()' -o bad --quiet
-refuses 'molecule: gold.xyz: Cu1: only molecules of H He B .*' -- hapgrid molecule gold.xyz --calculator 'ase.calculators.emt:EMT()' -o bad --quiet
+refuses 'molecule: gold.xyz: Cu1: only molecules of H He B .*: take the part without it, or give frames of a path \(--path\)' -- hapgrid molecule gold.xyz --calculator 'ase.calculators.emt:EMT()' -o bad --quiet
 
 expect 2 '' '~molecule: --calculator no: is not MODULE:CALLABLE.*' -- hapgrid molecule --smiles C --calculator no -o bad
 refuses 'molecule: --calculator none:f: ModuleNotFoundError: .*' -- hapgrid molecule --smiles CC --calculator none:f -o bad --quiet

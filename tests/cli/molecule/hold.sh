@@ -42,3 +42,7 @@ bad 1 'no bond that turns moves C2: hold Cl1, Cl4, H5, H6, H7 and 1 more' --smil
 rm -r bad  # a folder is of one molecule
 bad 1 'no bond of the molecule turns: --push pushes at it as a whole' --smiles C#N --hold 1
 expect 2 '' 'molecule: --push: the hand holds no atom (see --help)' -- hapgrid molecule --smiles CC --push --hold 1 -o bad
+
+# A bond that does not move what is held is named.
+hapgrid molecule --smiles FCCCCl --method gfnff --spacing 0.7 -o chain --until definition >line 2>said || fail "$(cat said)"
+grep -q 'F1-C2-C3-C4 stays as in the conformation: turned, the held atom would move by less than 0.4 angstrom\. Hold another' said || fail "$(cat said)"

@@ -68,6 +68,8 @@ bad() {
 bad hole 'hole\.xyz: frames 4 and 5 are 0\.[0-9]* angstrom apart, most others 0\.[0-9]*: frames are missing between them'
 bad other 'other\.xyz: frame 5 has BrCClH2, the first one has BrCClH3: they are no path of one molecule'
 bad ev 'ev\.xyz: frame [0-9]+ is 1\.04e\+03 kJ/mol above frame [0-9]+, in the units of the titles: .*\(--unit\)\?' --unit hartree
+awk '/^E=/ && ++n == 3 { print "none"; next } 1' "$paths/sn2.xyz" >lacks.xyz
+refuses 'molecule: lacks\.xyz: frame 3 has no energy, and others have one: remove theirs, and xtb computes all' -- hapgrid molecule lacks.xyz --path -o bad
 head -n 8 "$paths/sn2.xyz" >few.xyz
 refuses 'molecule: few\.xyz: 1 frames: a path needs 4 to 400' -- hapgrid molecule few.xyz --path -o bad
 expect 2 '' 'molecule: --path: what moves is given by FILE (see --help)' -- hapgrid molecule few.xyz --path --push -o bad

@@ -145,7 +145,7 @@ def planned(start: Start, shapes: Result, remedies: Remedies) -> tuple[Definitio
         if start.given:
             one.force_scale = along_hold.force_scale(shapes, hold)
         folder.say(f"  the hand holds {holding.words(start.molecule, hold.atoms)}")
-        idle = [] if start.given else holding.still(start, hold, shapes)
+        idle = holding.still(start, hold, shapes) if hold.torsions else []  # the paths of others turn several bonds
         if idle:
             folder.say(f"  {', '.join(idle)} {'stays' if len(idle) == 1 else 'stay'} as in the conformation: turned, the held atom would "
                        f"move by less than {holding.LEAST_WAY:g} angstrom. Hold another one by --hold, or push by --push")
