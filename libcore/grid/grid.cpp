@@ -166,10 +166,14 @@ Grid GridBuilder::finish() {
   if (added_ != level_.size()) throw FormatError("grid: records are missing or there twice");
   require_order(grid_.spec_, grid_.point_, level_);
   const std::uint64_t points = grid_.box().points();
-  reserve_large(grid_.first_, points + 1);
-  for (RecordIndex r = 0; r < grid_.records(); ++r)
-    while (grid_.first_.size() <= grid_.point_[r]) grid_.first_.push_back(r);
-  grid_.first_.resize(points + 1, grid_.records());
+  const bool has_one_level =
+      std::all_of(level_.begin(), level_.end(), [](Level level) { return level == 0; });
+  if (!has_one_level || grid_.records() != points) {
+    reserve_large(grid_.first_, points + 1);
+    for (RecordIndex r = 0; r < grid_.records(); ++r)
+      while (grid_.first_.size() <= grid_.point_[r]) grid_.first_.push_back(r);
+    grid_.first_.resize(points + 1, grid_.records());
+  }
   grid_.distinct_links_.shrink_to_fit();
   numbers_.clear();
   level_ = {};

@@ -71,11 +71,13 @@ class Grid {
 
   RecordIndex records() const { return static_cast<RecordIndex>(point_.size()); }
   /// The records of point p are first(p) .. first(p) + levels(p) - 1, by level.
-  RecordIndex first(PointIndex p) const { return first_[p]; }
-  RecordIndex levels(PointIndex p) const { return first_[std::size_t{p} + 1] - first_[p]; }
+  RecordIndex first(PointIndex p) const { return first_.empty() ? p : first_[p]; }
+  RecordIndex levels(PointIndex p) const {
+    return first_.empty() ? 1 : first_[std::size_t{p} + 1] - first_[p];
+  }
 
   PointIndex point(RecordIndex r) const { return point_[r]; }
-  Level level(RecordIndex r) const { return static_cast<Level>(r - first_[point_[r]]); }
+  Level level(RecordIndex r) const { return static_cast<Level>(r - first(point_[r])); }
   std::uint32_t record_generation(RecordIndex r) const { return generation_of_[r]; }
   bool in_frontier(RecordIndex r) const { return generation_of_[r] == generation_; }
   std::span<const double> state(RecordIndex r) const { return row(r).first(spec_.state_size); }
@@ -89,7 +91,7 @@ class Grid {
   /// Brings what destination() reads of a record, and of a point, into the cache. Real-time safe.
   void fetch_links(RecordIndex r) const noexcept { __builtin_prefetch(links_of_.data() + r); }
   void fetch_levels(PointIndex p) const noexcept {
-    if (p < box().points()) __builtin_prefetch(first_.data() + p);
+    if (p < first_.size()) __builtin_prefetch(first_.data() + p);
   }
   /// The record to which direction q leads from record r; kNoRecord when the direction leaves the
   /// box, is not settled, or leads to a level that does not exist. Real-time safe, as the next two.
@@ -97,7 +99,7 @@ class Grid {
     const Links& links = distinct_links_[links_of_[r]];
     if (!(links.usable >> q & 1)) return kNoRecord;
     const auto target = static_cast<PointIndex>(point_[r] + neighbourhood_.offset(q));
-    return links.level[q] < levels(target) ? first_[target] + links.level[q] : kNoRecord;
+    return links.level[q] < levels(target) ? first(target) + links.level[q] : kNoRecord;
   }
   /// Whether direction q of record r leads to a record whose link straight back leads elsewhere.
   bool is_one_way(RecordIndex r, int q) const {
@@ -129,7 +131,7 @@ class Grid {
   std::vector<double> rows_;             // records x row_size
   std::vector<std::uint32_t> links_of_;  // numbers in distinct_links_
   std::vector<Links> distinct_links_;    // most records have the same links as their neighbours
-  std::vector<RecordIndex> first_;       // points + 1
+  std::vector<RecordIndex> first_;       // points + 1; empty where each point has one record
 };
 
 /// The one rule for how many records a box has, before memory is taken for its points: a header can

@@ -32,7 +32,8 @@ TEST_CASE("a large box that is nearly empty is no grid") {
 
 TEST_CASE("a grid knows each point's records and each record's row, whatever the runs") {
   std::mt19937_64 random(1);
-  const bool has_gaps = GENERATE(false, true);
+  const bool has_one_level = GENERATE(false, true), has_gaps = GENERATE(false, true);
+  if (has_one_level && has_gaps) return;
   GridSpec spec;
   spec.box = {{0, 0, 0}, 1, {700, 3, 1}};
   spec.state_size = 2;
@@ -41,7 +42,7 @@ TEST_CASE("a grid knows each point's records and each record's row, whatever the
   for (PointIndex p = 0; p < spec.box.points(); ++p) {
     first.push_back(static_cast<RecordIndex>(columns.size()));
     // Long stretches of one level, as in real grids.
-    const bool is_busy = p / 150 % 2 == 1;
+    const bool is_busy = p / 150 % 2 == 1 && !has_one_level;
     const std::uint64_t levels = is_busy ? random() % 4 + (has_gaps ? 0 : 1) : 1;
     for (std::uint64_t l = 0; l < levels; ++l) {
       columns.point.push_back(p);
