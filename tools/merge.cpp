@@ -20,7 +20,6 @@ struct Options {
   std::string output = "-";
   bool small = false;
   std::string cost;
-  std::vector<std::string> model_path;
 };
 
 /// A finished grid, stored small. Answers its generation.
@@ -40,7 +39,7 @@ std::uint32_t write_merged(const std::vector<std::string>& names, const Options&
   for (const std::string& name : names)  // the grid may be replaced by the merged one
     if ((name == "-" ? "standard input" : name) != grid.file->name())
       keep_inputs({{"--output", options.output}}, {{name, "requests"}});
-  const auto model = judging_model(grid.header.spec, options.model_path);
+  const auto model = judging_model(grid.header.spec);
   const SectionHeader header = merged_header(grid);
   OutputFile out(options.output);
   Progress progress;
@@ -89,7 +88,6 @@ int main(int argc, char** argv) {
                "play; nothing is lost, and every tool reads it")
       .goes_with({"shard", "--output", "--cost"});
   add_cost(app, options.cost);
-  add_model_path(app, options.model_path);
   return run_tool(app, argc, argv, [&] {
     keep_memory();
     return run(options);

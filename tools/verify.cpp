@@ -159,8 +159,7 @@ int main(int argc, char** argv) {
                "  3  read everything, and an invariant is broken\n"
                "  4  nothing is broken, but a check could not prove what it says\n");
   return run_tool(app, argc, argv, [&] {
-    for (const char* const name :
-         {"--sample-seed", "--allow-process", "--process-timeout", "--in-flight"})
+    for (const char* const name : {"--sample-seed", "--allow-process"})
       if (asks_no_model(options) && app.given(name))
         throw UsageError(format("{}: --recompute none, and no --walks, ask no model", name));
     return run(options);

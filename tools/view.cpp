@@ -41,7 +41,6 @@ struct Options {
   std::string hip_label;
   std::string png;
   std::string html;
-  std::vector<std::string> model_path;
   double at_s = std::numeric_limits<double>::infinity();  // beyond: the last frame
   std::string size = "800x600";
   RenderOptions picture;
@@ -141,7 +140,7 @@ int run_grid(const Options& options, RenderOptions how) {
         ": is a grid, of which --html alone makes something, a page that plays it; play "
         "GRID --frames - makes frames");
   OutputFile html(options.html, /*binary=*/false);
-  html.write(grid_page(options.frames, options.model_path, how));
+  html.write(grid_page(options.frames, how));
   html.commit();
   return kExitDone;
 }
@@ -167,8 +166,6 @@ int run(const Options& options) {
   announce_terminal(options.frames);
   RenderOptions how = render_options(options);
   if (is_grid(options.frames)) return run_grid(options, how);
-  if (!options.model_path.empty())
-    throw UsageError("--model-path is for a grid: frames need no model");
   if (options.web || !options.terminal.empty()) fit_to_file(options.frames, how);
   if (options.web) {
     run_web(options.frames, {how, options.address, std::max(options.port, 0)});
@@ -248,7 +245,6 @@ void add_file_options(CommandLine& app, Options& options) {
           "grid, lets a mouse or a finger feel that grid.")
       .type("FILE")
       .writes();
-  add_model_path(app, options.model_path);
 }
 
 void add_live_options(CommandLine& app, Options& options) {

@@ -25,13 +25,15 @@ class Reader : private TomlFile {
     Definition d;
     only_keys(root(), "", {"model", "grid", "search", "seeds", "play"});
     const toml::table& model = table(root(), "model");
-    only_keys(model, "model.", {"plugin", "process", "name", "parameters", "files"});
+    only_keys(model, "model.", {"plugin", "process", "name", "timeout", "parameters", "files"});
     if (model.contains("process")) {
       process(model, d);
     } else {
       d.model = text(required(model, "model.", "plugin"), "model.plugin");
       if (const toml::node* name = model.get("name"))
         fail(*name, "model.name is for a model.process; a plug-in has its own");
+      if (const toml::node* timeout = model.get("timeout"))
+        fail(*timeout, "model.timeout is for a model.process");
     }
     if (model.contains("parameters")) parameters(table(model, "parameters"), "", d.parameters);
     if (model.contains("files")) files(table(model, "files"), read_file, d.parameters);
@@ -133,6 +135,11 @@ class Reader : private TomlFile {
         fail(word, "model.process has a text with a zero byte");
     }
     if (words.empty() || d.command.front().empty()) fail(words, "model.process names no program");
+    if (const toml::node* timeout = model.get("timeout")) {
+      d.timeout_seconds = number(*timeout, "model.timeout");
+      if (!(d.timeout_seconds > 0 && d.timeout_seconds <= 1e6))
+        fail(*timeout, "model.timeout is above 0 and at most 1000000 s");
+    }
   }
 
   void parameters(const toml::table& in, const std::string& prefix,

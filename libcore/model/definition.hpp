@@ -24,6 +24,7 @@ struct SeedDefinition {
 struct Definition {
   std::string model;  ///< the plug-in's name, or that by which grids know the process
   std::vector<std::string> command;  ///< of a process: program and arguments; empty: a plug-in
+  double timeout_seconds = 60;       ///< for an answer of a process
 
   std::vector<Parameter> parameters;  ///< ascending by key
   Box box;
@@ -33,7 +34,7 @@ struct Definition {
 };
 
 /// Reads a definition. Keys:
-///   [model] plugin, or process (texts: program and arguments) and name;
+///   [model] plugin, or process (texts: program and arguments), name, and timeout (seconds);
 ///   [model.parameters] the model's own;
 ///   [model.files] names of text files, whose contents become parameters of the same keys: a grid
 ///   carries everything that its model was made from;
@@ -49,8 +50,7 @@ Definition read_definition(const std::string& text, const std::string& name,
                            const std::vector<std::string>& overrides,
                            const std::function<std::string(const std::string&)>& read_file);
 
-/// Reads only name and command of a definition, from a file that a user names to allow that
-/// command.
+/// Reads only [model] of a definition, from a file that a user names to allow its command.
 /// @throw Error as above, and when the model is a plug-in.
 Definition read_process(const std::string& text, const std::string& name);
 

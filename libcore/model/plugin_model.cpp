@@ -280,8 +280,8 @@ bool PluginModel::complete(const Vec3& x, double* row) {
 
 }  // namespace
 
-std::vector<fs::path> model_path(const std::vector<std::string>& given) {
-  std::vector<fs::path> directories(given.begin(), given.end());
+std::vector<fs::path> model_path() {
+  std::vector<fs::path> directories;
   if (const char* path = std::getenv("HAPGRID_MODEL_PATH")) {
     std::istringstream entries(path);
     for (std::string entry; std::getline(entries, entry, ':');)
@@ -309,9 +309,8 @@ Plugin::Plugin(const std::string& name, const std::vector<fs::path>& directories
   }
   if (file.empty())
     throw ModelError(
-        format("model {}: no plug-in {}.so in: {} (add a directory with --model-path or "
-               "HAPGRID_MODEL_PATH)",
-               name, name, searched));
+        format("model {}: no plug-in {}.so in: {} (add its folder to HAPGRID_MODEL_PATH)", name,
+               name, searched));
   void* handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!handle) throw ModelError(format("model {}: {}", name, printable_line(dlerror())));
   library_ = std::shared_ptr<void>(handle, [](void* h) { dlclose(h); });

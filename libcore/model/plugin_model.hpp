@@ -12,9 +12,10 @@ struct hapgrid_model_table;
 
 namespace hapgrid {
 
-/// The directories in which plug-ins are looked for, in this order: `given` (--model-path), the
-/// entries of the environment's HAPGRID_MODEL_PATH, then ../models beside the running program.
-std::vector<std::filesystem::path> model_path(const std::vector<std::string>& given);
+/// The directories in which plug-ins are looked for, in this order: the entries of the
+/// environment's HAPGRID_MODEL_PATH, with ':' between them, then ../models beside the running
+/// program.
+std::vector<std::filesystem::path> model_path();
 
 /// A loaded plug-in. Its name may come from a hostile shard, so only valid names are accepted.
 /// Models keep the plug-in loaded. Threads may create models at the same time, by the same Plugin

@@ -118,7 +118,7 @@ ModelInfo hear_first_line(ProcessGroup& group, ChildProcess& child) {
       throw_how_it_ended(child, " before it had said what it is");
     if (event == ChildProcess::Event::kTimeout)
       throw ModelError(
-          format("did not say what it is within {} s; a longer --process-timeout gives it more",
+          format("did not say what it is within {} s; a longer timeout in [model] gives it more",
                  to_text(seconds)));
   }
   return read_first_line(line);
@@ -155,10 +155,10 @@ class ProcessModel final : public Model {
   /// @param child a process that has said what it is; without one, it starts with the first
   /// question.
   ProcessModel(std::shared_ptr<ProcessGroup> group, std::unique_ptr<ChildProcess> child)
-      : Model(*group->info), group_(std::move(group)), child_(std::move(child)) {
-    const unsigned wanted = info().in_flight > 0 ? info().in_flight : kInFlight;
-    in_flight_ = group_->options.in_flight > 0 ? group_->options.in_flight : wanted;
-  }
+      : Model(*group->info),
+        group_(std::move(group)),
+        child_(std::move(child)),
+        in_flight_(info().in_flight > 0 ? info().in_flight : kInFlight) {}
 
   std::vector<double> known_states(const Vec3& x) override {
     std::vector<double> states;

@@ -14,7 +14,6 @@ namespace hapgrid {
 
 struct ProcessOptions {
   double timeout_seconds = 60;  ///< for one answer
-  unsigned in_flight = 0;       ///< questions that it has at a time; 0: what it asks for, or 4
   /// For the first line. The longer of both timeouts counts.
   double start_timeout_seconds = 60;
   /// Gets a line for the user, at most once for a source: a process that owes an answer waits for

@@ -12,13 +12,12 @@ model = {plugin = "$1", parameters = {${2:-}}}
 END
 }
 define nothing >nothing.toml
-advice='\(add a directory with --model-path or HAPGRID_MODEL_PATH\)'
+advice='\(add its folder to HAPGRID_MODEL_PATH\)'
 
 # Which directories were searched, in order.
 refuses "seed: model nothing: no plug-in nothing\.so in: $models $advice" -- seed nothing.toml -o out
 export HAPGRID_MODEL_PATH=/nowhere:$plugins:
-refuses "seed: model nothing: no plug-in nothing\.so in: a, /b/c, /nowhere, $plugins, $models $advice" \
-  -- seed nothing.toml -o out --model-path a --model-path /b/c
+refuses "seed: model nothing: no plug-in nothing\.so in: /nowhere, $plugins, $models $advice" -- seed nothing.toml -o out
 
 # The first directory that has one counts; also when what it has is none.
 mkdir first second
@@ -26,12 +25,12 @@ echo "no shared object" >first/toy.so
 cp "$plugins/toy.so" second
 define toy >toy.toml
 expect 0 '' '' -- seed toy.toml -o seeds
-expect 0 '' '' -- seed toy.toml -o seeds --model-path second --model-path first
-refuses "seed: model toy: .*/first/toy\.so: .*" -- seed toy.toml -o out --model-path first --model-path second
+HAPGRID_MODEL_PATH=second:first expect 0 '' '' -- seed toy.toml -o seeds
+HAPGRID_MODEL_PATH=first:second refuses "seed: model toy: .*/first/toy\.so: .*" -- seed toy.toml -o out
 HAPGRID_MODEL_PATH=$work/in/first refuses "expand: model toy: .*/first/toy\.so: .*" -- expand seeds -o out
 HAPGRID_MODEL_PATH='' refuses "expand: model toy: no plug-in toy\.so in: $models $advice" -- expand seeds -o out
 HAPGRID_MODEL_PATH='' refuses "merge: model toy: no plug-in toy\.so in: $models $advice" -- merge seeds -o out
-HAPGRID_MODEL_PATH='' expect 0 '' '' -- expand seeds --model-path second -o requests
+HAPGRID_MODEL_PATH=second expect 0 '' '' -- expand seeds -o requests
 
 # Names are plain.
 for name in ../toy ./toy toy.so /etc/passwd '' -toy 'to y'; do

@@ -11,7 +11,7 @@ int main(int argc, char** argv) {
   using namespace hapgrid;
   if (argc != 2) return std::fputs("usage: bench_conversions GRID\n", stderr), 2;
   const Grid grid = load_grid(argv[1]);
-  const auto model = Plugin(grid.spec().model, model_path({})).create(grid.spec().parameters);
+  const auto model = Plugin(grid.spec().model, model_path()).create(grid.spec().parameters);
   std::vector<double> reached(grid.state_size());
   std::size_t conversions = 0;
   double sum = 0;

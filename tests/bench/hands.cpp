@@ -76,7 +76,7 @@ void add_options(CommandLine& app, Options& options) {
   app.add("--rate", options.rate_hz, "Ticks a second. Default: 1000.")
       .type("HZ")
       .within(1e-3, 1e6, "a rate");
-  add_asked_model_options(app, options.model);
+  add_model_options(app, options.model);
   add_settings(app, options.given, options.file);
   app.add("--log", options.log, "Log of all ticks, as play has it.").type("FILE").writes();
   app.add("--frames", options.frames, "Frames for view.").type("FILE").writes();

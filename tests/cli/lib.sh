@@ -167,7 +167,8 @@ origin = [-1, -1, -1]
 spacing = 0.5
 counts = [5, 5, 5]
 TOML
-  seed stuck.toml --model-path "$plugins" | expand --complete --model-path "$plugins" -o "stuck.$1"
+  export HAPGRID_MODEL_PATH=$plugins
+  seed stuck.toml | expand --complete -o "stuck.$1"
 }
 
 # settings FILE LINE...: a file of play's --config with these lines in its table [play].

@@ -8,7 +8,7 @@ seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --co
 settings play.toml 'mapping.offset = [0.2, 0, 0]' 'mapping.speed = 0.8' 'safety.ramp = 100'
 cat >session <<'END'
 # The hand begins at x = 0.175, to the right of the ball.
-common="play /ball.grid --model-path /bin --config /play.toml"
+common="play /ball.grid --config /play.toml"
 uinput-device gamepad >/tmp/gamepad & gamepad=$!
 uinput-device stick --slow 110 >/tmp/stick &
 await /dev/input/event1 /dev/input/event2

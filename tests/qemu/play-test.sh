@@ -19,7 +19,7 @@ hid_profile '-0.1, -0.1, -0.1' '0.1, 0.1, 0.1' >profile.toml
 # but the first only how many there are and the last ones. How a play ends has nothing to do with its rate: 1 kHz there.
 cat >session <<'END'
 # Numbers are computed ten times slower here, which leaves no time for the model.
-play="play /ball.grid --model-path /bin --device hid:/profile.toml --config /play.toml --beside off"  # to a file: on a pipe it would write frames
+play="play /ball.grid --device hid:/profile.toml --config /play.toml --beside off"  # to a file: on a pipe it would write frames
 device() { rawhid-device "$@" >/tmp/record & device=$!; await /dev/hidraw0; }
 slow() { device --rate 1000 "$@" /thousand.txt; }
 over() { kill $device 2>/dev/null; wait $device; while [ -e /dev/hidraw0 ]; do usleep 10000; done; }

@@ -125,7 +125,7 @@ printf '%s\n' "${modules[@]}" >"$root/modules"
 # Three serial lines: the command's output, the kernel's log, the exit code.
 cat >"$root/init" <<'END'
 #!/bin/sh
-export PATH=/bin HOME=/tmp
+export PATH=/bin HOME=/tmp HAPGRID_MODEL_PATH=/bin
 mount -t proc proc /proc
 mount -t sysfs sysfs /sys
 mount -t debugfs debugfs /sys/kernel/debug

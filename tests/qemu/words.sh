@@ -19,7 +19,7 @@ child() { cut -d' ' -f1 /proc/$1/task/$1/children; }
 cell() {
   echo "== $2 $3"
   $1
-  play /stuck.0 --model-path /bin --traversal paper --rate 250 --config /play.toml --max-force 0.5 --device $name >/tmp/out 2>&1 & player=$!
+  play /stuck.0 --traversal paper --rate 250 --config /play.toml --max-force 0.5 --device $name >/tmp/out 2>&1 & player=$!
   usleep 600000
   guard=$(child $player); adapter=$(child $guard)
   victims=

@@ -16,15 +16,6 @@ namespace {
 
 std::string shown(const std::string& file) { return file == "-" ? "standard input" : file; }
 
-void add_process_timeout(CommandLine& app, ProcessOptions& options) {
-  app.add("--process-timeout", options.timeout_seconds,
-          "Longest time in seconds for an answer of a model process, which is then replaced.")
-      .type("S")
-      .within(std::numeric_limits<double>::denorm_min(), 1e6, "above 0 and at most 1000000")
-      .needs(app.option("--allow-process"))
-      .shows_default();
-}
-
 /// Lets a model in Python find the module hapgrid of this installation, behind what PYTHONPATH has.
 void offer_python_module() {
   std::error_code ignored;
@@ -37,61 +28,45 @@ void offer_python_module() {
 }
 
 /// It runs in the directory of the definition's file.
-std::unique_ptr<ModelSource> process_source(const Definition& definition, const std::string& file,
-                                            const ProcessOptions& options) {
+std::unique_ptr<ModelSource> process_source(const Definition& definition, const std::string& file) {
   offer_python_module();
   // As many models as the user wants work side by side. More threads in each would only be in the
   // way of the others, and their number can change the last bits of a sum.
   for (const char* threads : {"OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"})
     ::setenv(threads, "1", /*overwrite=*/0);
-  ProcessOptions with_hint = options;
-  with_hint.hint = [](const std::string& line) { say("hapgrid", line); };
+  ProcessOptions options;
+  options.timeout_seconds = definition.timeout_seconds;
+  options.hint = [](const std::string& line) { say("hapgrid", line); };
   return std::make_unique<ProcessSource>(definition.model, definition.command,
-                                         std::filesystem::path(file).parent_path(), with_hint);
+                                         std::filesystem::path(file).parent_path(), options);
 }
 
 }  // namespace
 
-void add_asked_model_options(CommandLine& app, ModelOptions& options) {
-  add_model_path(app, options.path);
+void add_model_options(CommandLine& app, ModelOptions& options) {
   app.add("--allow-process", options.allowed,
           "Definition whose command may be run as the model, if the grid's model is a process.")
       .type("MODEL.toml");
-  add_process_timeout(app, options.process);
-}
-
-void add_model_options(CommandLine& app, ModelOptions& options) {
-  add_asked_model_options(app, options);
-  app.add("--in-flight", options.process.in_flight,
-          "Questions that one model process has at a time, from 1 to 1024 (default: what the model "
-          "asks for, or 4).")
-      .type("N")
-      .whole(1, kMaxInFlight)
-      .needs(app.option("--allow-process"));
 }
 
 void add_model_options(CommandLine& app, DefinedModelOptions& options) {
-  add_model_path(app, options.path);
   app.add_flag("--allow-process", options.allow_process,
                "Allow to run the command that MODEL.toml names as its model.");
-  add_process_timeout(app, options.process);
 }
 
 std::unique_ptr<ModelSource> model_source(const Definition& definition, const std::string& file,
                                           const DefinedModelOptions& options) {
-  if (definition.command.empty())
-    return std::make_unique<Plugin>(definition.model, model_path(options.path));
+  if (definition.command.empty()) return std::make_unique<Plugin>(definition.model, model_path());
   if (!options.allow_process)
     throw Error(
         format("{}: the model is a process, '{}', which is only started with --allow-process",
                shown(file), command_text(definition.command)));
-  return process_source(definition, file, options.process);
+  return process_source(definition, file);
 }
 
 std::unique_ptr<ModelSource> model_source(const GridSpec& spec, const ModelOptions& options,
                                           const std::string& instead) {
-  if (!spec.equality.is_declared())
-    return std::make_unique<Plugin>(spec.model, model_path(options.path));
+  if (!spec.equality.is_declared()) return std::make_unique<Plugin>(spec.model, model_path());
   if (!is_valid_name(spec.model))
     throw ModelError("a model whose name has other than letters, digits, '-' and '_'");
   if (options.allowed.empty())
@@ -103,12 +78,12 @@ std::unique_ptr<ModelSource> model_source(const GridSpec& spec, const ModelOptio
   if (process.model != spec.model)
     throw ModelError(
         format("{}: defines the model {}, the grid's is {}", name, process.model, spec.model));
-  return process_source(process, options.allowed, options.process);
+  return process_source(process, options.allowed);
 }
 
-std::unique_ptr<Model> judging_model(const GridSpec& spec, const std::vector<std::string>& path) {
+std::unique_ptr<Model> judging_model(const GridSpec& spec) {
   if (spec.equality.is_declared()) return declared_model(spec);
-  return create_model(Plugin(spec.model, model_path(path)), spec);
+  return create_model(Plugin(spec.model, model_path()), spec);
 }
 
 }  // namespace hapgrid

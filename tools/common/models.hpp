@@ -14,24 +14,17 @@ namespace hapgrid {
 
 /// Options of a filter that reads a grid.
 struct ModelOptions {
-  std::vector<std::string> path;  ///< --model-path
-  std::string allowed;            ///< the MODEL.toml of --allow-process
-  ProcessOptions process;
+  std::string allowed;  ///< the MODEL.toml of --allow-process
 };
 
 /// Options of a filter that reads a definition, which itself names the command.
 struct DefinedModelOptions {
-  std::vector<std::string> path;  ///< --model-path
   bool allow_process = false;
-  ProcessOptions process;
 };
 
-/// --model-path, --allow-process MODEL.toml, --process-timeout: for a model that is asked one
-/// question at a time.
-void add_asked_model_options(CommandLine& app, ModelOptions& options);
-/// These, and --in-flight.
+/// --allow-process MODEL.toml.
 void add_model_options(CommandLine& app, ModelOptions& options);
-/// --model-path, --allow-process, --process-timeout.
+/// --allow-process.
 void add_model_options(CommandLine& app, DefinedModelOptions& options);
 
 /// The source of the model that `definition`, read from `file`, defines.
@@ -49,7 +42,6 @@ std::unique_ptr<ModelSource> model_source(const GridSpec& spec, const ModelOptio
 /// A model that judges equality and is asked nothing else. Of a process, the grid's header has its
 /// tolerance function in words, and no process is started.
 /// @throw ModelError
-std::unique_ptr<Model> judging_model(const GridSpec& spec,
-                                     const std::vector<std::string>& model_path);
+std::unique_ptr<Model> judging_model(const GridSpec& spec);
 
 }  // namespace hapgrid

@@ -64,14 +64,6 @@ void announce_terminal(const std::string& input) {
     say(program_invocation_short_name, "reads this terminal (Ctrl-D ends the input)");
 }
 
-void add_model_path(CommandLine& app, std::vector<std::string>& directories) {
-  app.add("--model-path", directories,
-          "Directory with plug-ins, searched before those of HAPGRID_MODEL_PATH (separated by ':') "
-          "and ../models beside this program. It can be given several times")
-      .type("DIR")
-      .repeatable();
-}
-
 void add_inputs(CommandLine& app, std::vector<std::string>& names, const std::string& help) {
   app.add("shard", names, help + " ('-' or none: standard input)").type("SHARD");
 }

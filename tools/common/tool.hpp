@@ -19,9 +19,6 @@ inline constexpr int kExitInvalid =
     3;  ///< verify, check-model: the grid or the model breaks a rule
 inline constexpr int kExitNotProved = 4;  ///< verify: nothing is broken, but not all is proved
 
-/// The option --model-path DIR, repeatable.
-void add_model_path(CommandLine& app, std::vector<std::string>& directories);
-
 /// The positional SHARD...
 void add_inputs(CommandLine& app, std::vector<std::string>& names, const std::string& help);
 

@@ -39,7 +39,7 @@ void add_device_options(CommandLine& app, PlayOptions& options) {
   app.add_flag("--list-devices", options.list_devices,
                "List the devices of this machine, with the text for --device, instead of playing.")
       .goes_with({});
-  add_asked_model_options(app, options.model);
+  add_model_options(app, options.model);
 }
 
 void add_time_options(CommandLine& app, PlayOptions& options) {
@@ -106,8 +106,8 @@ void add_play_options(CommandLine& app, PlayOptions& options) {
   app.option("--realtime").needs_one_of({"grid", "--selftest"});
   // Without a grid a device is brought up, or only looked at.
   for (const char* const of_play :
-       {"--traversal", "--beside", "--model-path", "--allow-process", "--log", "--frames",
-        "--report", "--axes", "--gain", "--max-force", "--scale"})
+       {"--traversal", "--beside", "--allow-process", "--log", "--frames", "--report", "--axes",
+        "--gain", "--max-force", "--scale"})
     app.option(of_play).needs(app.option("grid"));
 }
 

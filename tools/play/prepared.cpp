@@ -26,9 +26,7 @@ Grid playable(const Section& section) {
 PlayedGrid::PlayedGrid(const Section& section, const ModelOptions& options)
     : digest(section.name()),
       grid(playable(section)),
-      create([this, path = options.path] {
-        return Plugin(spec().model, model_path(path)).create(spec().parameters);
-      }),
+      create([this] { return Plugin(spec().model, model_path()).create(spec().parameters); }),
       create_exact(
           [this, options] { return create_model(*model_source(spec(), options), spec()); }),
       fields(spec(), create, /*wants_shape=*/false) {}

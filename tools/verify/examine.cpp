@@ -76,7 +76,7 @@ std::vector<Check> examine(const Grid& grid, const Examination& asked) {
                           asked.walks > 0 ? " (or leave C out: --recompute none, and no --walks)"
                                           : " (or leave C out: --recompute none)");
   // A model that is asked for forces and for equality, and never for a conversion.
-  const auto judge = [&] { return judging_model(spec, asked.model.path); };
+  const auto judge = [&] { return judging_model(spec); };
   const auto make_model = [&] { return create_model(*source, spec); };
   const std::unique_ptr<Model> judging = judge();
   const bool knows_force = Fields(spec, *judging).has_force();

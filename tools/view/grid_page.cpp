@@ -99,8 +99,7 @@ bool is_grid(const std::string& name) {
          first == kZstd;
 }
 
-std::string grid_page(const std::string& grid, const std::vector<std::string>& path,
-                      const RenderOptions& render) {
+std::string grid_page(const std::string& grid, const RenderOptions& render) {
   if (*kPagePlayer == '\0')
     throw Error(
         "--html: this view cannot make a page of a grid, since it was built without clang for "
@@ -112,7 +111,7 @@ std::string grid_page(const std::string& grid, const std::vector<std::string>& p
   Camera camera;
   camera.azimuth_degrees = render.azimuth_degrees;
   camera.elevation_degrees = render.elevation_degrees;
-  const auto create = [&] { return Plugin(spec.model, model_path(path)).create(spec.parameters); };
+  const auto create = [&] { return Plugin(spec.model, model_path()).create(spec.parameters); };
   const PackedGrid packed = pack_grid(loaded, name, create, camera.near());
   nlohmann::ordered_json data = page_scene(packed.scene, packed.first, render);
   data["own"] = player_data(packed, grid);

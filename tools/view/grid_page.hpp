@@ -12,10 +12,8 @@ namespace hapgrid {
 /// @throw std::system_error when there is none
 bool is_grid(const std::string& name);
 
-/// @param model_path as model_path() takes it
 /// @throw Error when the page would be too large, or view was built without a compiler for
 /// WebAssembly; what pack_grid() and load_grid() throw
-std::string grid_page(const std::string& grid, const std::vector<std::string>& model_path,
-                      const RenderOptions& render);
+std::string grid_page(const std::string& grid, const RenderOptions& render);
 
 }  // namespace hapgrid

@@ -76,7 +76,7 @@ cat >order.toml <<END
 model = {plugin = "puppet", parameters = {component = 1, above = 1}}
 grid = {origin = [0, 0, 0], spacing = 0.5, counts = [3, 3, 3]}
 END
-expect 3 "~.*symmetric: .*1 and 0.*" "~check-model: broken: symmetric \([0-9]+ of 60\)" \
-  -- check-model order.toml --model-path "$HAPGRID_BUILD/tests/plugins" --steps 60
+HAPGRID_MODEL_PATH=$HAPGRID_BUILD/tests/plugins expect 3 "~.*symmetric: .*1 and 0.*" "~check-model: broken: symmetric \([0-9]+ of 60\)" \
+  -- check-model order.toml --steps 60
 refuses 'check-model: faulty\.toml: the model is a process, .*only started with --allow-process' -- check-model faulty.toml
 refuses 'check-model: gone\.toml: No such file or directory' -- check-model gone.toml

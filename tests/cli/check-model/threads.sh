@@ -9,24 +9,25 @@ model = {plugin = "$name"}
 grid = {origin = [-1, 0, 0], spacing = 1, counts = [3, 2, 2]}
 TOML
 done
+export HAPGRID_MODEL_PATH=.
 # Threads meet by chance; on a busy machine not always.
 for attempt in 1 2 3 4 5; do
   (expect 3 '~.*together: C answers otherwise while two threads ask two models: they share data, which a plug-in must not have\. With info\.processes = 1 one thread asks one model, and hapgrid rounds --parts N gives each a process of its own.*' \
-    '~check-model: broken: together .*' -- check-model shared.toml --model-path . --steps 60) && break
+    '~check-model: broken: together .*' -- check-model shared.toml --steps 60) && break
   ((attempt < 5)) || fail 'two threads never met'
 done
 expect 134 '' '~check-model: the model crashed \(signal 6\) in the conversion at point [0-9]+ level 0, direction [0-9]+ while two threads asked two models: they share data, which a plug-in must not have\. With info\.processes = 1 one thread asks one model, and hapgrid rounds --parts N gives each a process of its own' \
-  -- check-model crashes.toml --model-path . --steps 60
+  -- check-model crashes.toml --steps 60
 
-seed shared.toml --model-path . -o seeds
-expand --complete seeds --model-path . -o one
-expect 0 '~.*' '' -- hapgrid rounds shared.toml --model-path . --parts 3
+seed shared.toml -o seeds
+expand --complete seeds -o one
+expect 0 '~.*' '' -- hapgrid rounds shared.toml --parts 3
 cmp one shared.grid
 
 # One that says it by itself: info.processes = 1.
-expect 0 '~.*' '~check-model: fine: [0-9]+ checks' -- check-model alone.toml --model-path . --steps 60
-seed alone.toml --model-path . -o seeds
+expect 0 '~.*' '~check-model: fine: [0-9]+ checks' -- check-model alone.toml --steps 60
+seed alone.toml -o seeds
 expect 0 '' 'expand: the model wants no more than 1 of the 4 threads (processes = 1); hapgrid rounds --parts N uses more processors' \
-  -- expand --complete seeds --model-path . -j 4 -o alone.grid
+  -- expand --complete seeds -j 4 -o alone.grid
 cmp <(dump one) <(dump alone.grid)
-expect 4 '~.*' 'verify: not proved: passive' -- verify alone.grid --model-path . -j 4  # it has no energy
+expect 4 '~.*' 'verify: not proved: passive' -- verify alone.grid -j 4  # it has no energy

@@ -25,7 +25,7 @@ cat >broken.toml <<TOML
 model = {plugin = "puppet", parameters = {component = 1, above = 1}}
 grid = {origin = [0, 0, 0], spacing = 0.5, counts = [3, 3, 3]}
 TOML
-run 3 check-model.2 check-model broken.toml --model-path "$HAPGRID_BUILD/tests/plugins" --steps 60 --format json
+HAPGRID_MODEL_PATH=$HAPGRID_BUILD/tests/plugins run 3 check-model.2 check-model broken.toml --steps 60 --format json
 run 0 stats-grid.1 stats ball.grid --format json --cost cost
 printf '%s\n' '-0.7 0.1 0' '-0.5 0.1 0' '-0.4 0 0' '-0.2 0 0' >path
 run 0 play.1 play ball.grid --device path:path --rate 2000 --report - --frames frames --log a.session

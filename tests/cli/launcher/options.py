@@ -36,17 +36,13 @@ SMALL = {"--png": "a.png", "--size": "60x40"}
 PICTURES = SMALL, {"--html": "a.html"}, {"--web": None}, {"--terminal": "symbols"}
 OUTPUT = {"--output": Option("out")}
 OF_DEFINITION = {
-    **OUTPUT, "--set": Option("model.parameters.tolerance=1"), "--model-path": Option("plugins", beside={"": "own.toml"}),
-    "--allow-process": Option(None, beside={"": "slow.toml"}),
-    "--process-timeout": Option("60", {"--allow-process": None}, telling="1e-6", beside={"": "slow.toml"})}
+    **OUTPUT, "--set": Option("model.parameters.tolerance=1"),
+    "--allow-process": Option(None, beside={"": "slow.toml"})}
 
 
 def of_model(shard, **more):
     return {
-        "--model-path": Option("plugins", beside={"": f"own.{shard}"}),
-        "--allow-process": Option("slow.toml", telling="none.toml", beside={"": f"process.{shard}", **more}),
-        "--process-timeout": Option("60", {"--allow-process": "slow.toml"}, telling="1e-6", beside={"": f"process.{shard}", **more}),
-        "--in-flight": Option("2", {"--allow-process": "slow.toml"})}
+        "--allow-process": Option("slow.toml", telling="none.toml", beside={"": f"process.{shard}", **more})}
 
 
 # Of each filter: what it is given anyway, and its options.
@@ -56,7 +52,7 @@ FILTERS = {
         **of_model("seeds"), **OUTPUT, "--part": Option("1/2"), "--complete": Option(), "--threads": Option("2"),
         "--cost": Option("new.cost")}),
     "merge": ({"": "ball.grid"}, {
-        **OUTPUT, "--small": Option(), "--cost": Option("new.cost"), "--model-path": of_model("grid")["--model-path"]}),
+        **OUTPUT, "--small": Option(), "--cost": Option("new.cost")}),
     "verify": ({"": "ball.grid"}, {
         **of_model("grid", **{"--recompute": "1", "--walks": "1"}), **OUTPUT, "--threads": Option("2"), "--format": Option("json"), "--verbose": Option(),
         "--quiet": Option(), "--recompute": Option("none"), "--walks": Option("2"), "--accuracy": Option("1e-9"),
@@ -69,7 +65,7 @@ FILTERS = {
     "check-model": ({"": "ball.toml", "--steps": "20", "--format": "json"}, {
         **OF_DEFINITION, "--steps": Option("30"), "--seconds": Option("9", telling="1e-9"), "--format": Option("text")}),
     "play": ({"": "ball.grid", "--device": "path:path", "--log": "out.log"}, {
-        **{name: option for name, option in of_model("grid").items() if name != "--in-flight"},
+        **of_model("grid"),
         "--device": Option("path:back"), "--traversal": Option("paper"), "--beside": Option("7"),
         "--list-devices": Option(None, {"": ..., "--device": ..., "--log": ...}),
         "--rate": Option("2000"), "--duration": Option("0.03"), "--realtime": Option("off", {"--rate": "2000"}),
@@ -80,7 +76,7 @@ FILTERS = {
     "view": ({"": "one.frames"}, {
         "--xyz": Option("a.xyz"), "--hip-label": Option("He", {"--xyz": "a.xyz"}), "--png": Option("a.png", SMALL),
         "--at": Option("0", {**SMALL, "": "frames"}), "--html": Option("a.html"), "--web": Option(),
-        "--model-path": Option("plugins", {"": "own.grid", "--html": "a.html"}), "--port": Option("80", *LIVE), "--address": Option("198.51.100.2", *LIVE),
+        "--port": Option("80", *LIVE), "--address": Option("198.51.100.2", *LIVE),
         "--terminal": Option("symbols"), "--imd": Option(None, {"--address": "198.51.100.1"}), "--style": Option("sticks", *PICTURES),
         "--size": Option("40x30", SMALL), "--azimuth": Option("50", *PICTURES),
         "--elevation": Option("30", *PICTURES), "--hip-radius": Option("0.5", *PICTURES)}),
@@ -89,16 +85,11 @@ FILTERS = {
 SILENT = {
     ("--threads", ""): "the result is the same",
     ("--axes", ""): "a path and a replay are in the model's space",
-    ("--in-flight", ""): "the result is the same",
     ("", "--quiet"): "only the exit code is left",
     ("--verbose", "--format"): "JSON has all figures",
-    ("--model-path", "--allow-process"): "the grid says whether its model is a plug-in or a process, and scripts give both",
 }
-SILENT[("--allow-process", "--model-path")] = SILENT[("--model-path", "--allow-process")]
-SILENT |= {(a, "--model-path"): "is for a process, as --allow-process" for a in ("--process-timeout", "--in-flight")}
 SILENT |= {(a, b): "nobody can listen there: no page is served" for b in ("--port", "--address")
            for a in ("--style", "--azimuth", "--elevation", "--hip-radius")}
-SILENT |= {("--model-path", a): "is for a plug-in" for a in ("--process-timeout", "--in-flight")}
 
 
 def run(tool, given):

@@ -7,16 +7,11 @@ cp "$HAPGRID_SOURCE/examples/hung-ball/hung_ball.py" .
 echo '{"hapgrid": 1, "parameters": {}}' | PYTHONPATH=$HAPGRID_BIN/../python /usr/bin/python3 hung_ball.py >hello
 echo 'cat hello; sleep 0.05' >slow.sh
 sed 's/^process = .*/process = ["sh", "slow.sh"]/' process.toml >slow.toml
-# A plug-in that is in no other folder.
-mkdir plugins
-cp "$HAPGRID_BIN/../models/hung-ball.so" plugins/own.so
-sed 's/"hung-ball"/"own"/' ball.toml >own.toml
 make_grid() { # NAME OPTION OF SEED -- OPTIONS OF EXPAND
   seed "$1.toml" ${2:+"$2"} -o "$1.seeds"
   expand --complete "$1.seeds" -o "$1.grid" "${@:4}"
 }
 make_grid ball '' --
-make_grid own --model-path=plugins -- --model-path plugins
 make_grid process --allow-process -- --allow-process process.toml
 expand --complete ball.seeds --cost cost -o again
 rm again

@@ -37,7 +37,7 @@ message(STATUS "models: ${hapgrid_MODELS}")
 CMAKE
 cmake -B mine -D CMAKE_PREFIX_PATH="$usr" . >mine.log && cmake --build mine >>mine.log 2>&1 || fail "$(cat mine.log)"
 grep -q "models: $(dirname "$(find "$usr" -name hung-ball.so)")\$" mine.log || fail "$(cat mine.log)"
-hapgrid seed "$usr/share/doc/hapgrid/examples/spring-c/spring-c.toml" --model-path models --set grid.spacing=0.5 \
+HAPGRID_MODEL_PATH=models hapgrid seed "$usr/share/doc/hapgrid/examples/spring-c/spring-c.toml" --set grid.spacing=0.5 \
   --set 'grid.counts=[3,2,2]' >/dev/null
 
 # From a molecule to a verified grid and pictures, by what was unpacked alone. Hydrogen cyanide has no torsion.

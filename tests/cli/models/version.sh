@@ -15,18 +15,18 @@ define() {
   sed 's/^spacing.*/spacing = 5/; s/^counts.*/counts = [4, 3, 3]/' "$HAPGRID_SOURCE/examples/spring-c/spring-c.toml"
 }
 define >spring.toml
-seed spring.toml --model-path first -o seeds
+HAPGRID_MODEL_PATH=first seed spring.toml -o seeds
 same 'the version in the header' 1.0 "$(header seeds modelVersion)"
-expand seeds --model-path first -o requests
-merge seeds requests --model-path first -o grid
+HAPGRID_MODEL_PATH=first expand seeds -o requests
+HAPGRID_MODEL_PATH=first merge seeds requests -o grid
 differ="it and the grid differ in version '1\.1' and '1\.0'; was the plug-in changed since the grid was seeded\?"
-refuses "expand: model spring-c: $differ" -- expand seeds --model-path second
-refuses "verify: model spring-c: $differ" -- verify grid --model-path second
-seed spring.toml --model-path second -o newer
-refuses "merge: requests: another grid than newer: version '1\.0' and '1\.1'" -- merge newer requests --model-path second
+HAPGRID_MODEL_PATH=second refuses "expand: model spring-c: $differ" -- expand seeds
+HAPGRID_MODEL_PATH=second refuses "verify: model spring-c: $differ" -- verify grid
+HAPGRID_MODEL_PATH=second seed spring.toml -o newer
+HAPGRID_MODEL_PATH=second refuses "merge: requests: another grid than newer: version '1\.0' and '1\.1'" -- merge newer requests
 # One that says none has none, and a text without an end is cut off.
 seed spring.toml -o none
 same 'no version' '' "$(header none modelVersion)"
 refuses "expand: model spring-c: it and the grid differ in version '' and '1\.0'; was .*" -- expand seeds
-seed spring.toml --model-path unended -o cut
+HAPGRID_MODEL_PATH=unended seed spring.toml -o cut
 same 'a version without an end' "$(printf 'v%.0s' {1..31})" "$(header cut modelVersion)"

@@ -80,7 +80,7 @@ class Person:
 
     def goes_on(self, deadline):
         if time.monotonic() > deadline or not self.listen() or self.play.poll() is not None:
-            open(sys.argv[2], "a").write(self.said)
+            open(sys.argv[1], "a").write(self.said)
             self.play.kill()
             raise AssertionError((self.name, self.said, self.play.wait(), self.feels()))
 
@@ -129,7 +129,7 @@ class Person:
         deadline = time.monotonic() + 60
         while self.listen():
             assert time.monotonic() < deadline, (self.name, self.said)
-        open(sys.argv[2], "a").write(self.said)
+        open(sys.argv[1], "a").write(self.said)
         last = lambda: open(f"{self.name}.record").read().split()[-1]
         while float(last()) != 0 and time.monotonic() < deadline:  # --release may come a moment later
             time.sleep(0.02)
@@ -160,11 +160,11 @@ person, said, table = whole("turned", TURNED, step=2e-4, delay=3)
 print(table)
 assert re.search(r'^\[play\]\naxes = "y,-z,-x"\nmax-force = 2\n\[play.safety\]\nencoder = 0.0002 .*\ndelay = 3 ', table, re.M), table
 # Play takes the file as it is.
-played = subprocess.run(["play", "stuck.0", "--model-path", sys.argv[1], "--device", person.device, "--config", "turned.toml", "--duration", "0.2",
+played = subprocess.run(["play", "stuck.0", "--device", person.device, "--config", "turned.toml", "--duration", "0.2",
                          "--traversal", "paper"],
                         capture_output=True, text=True)
 assert played.returncode == 0 and "turned.toml sets max-force = 2, safety.delay = 3, safety.encoder = 2e-04, axes = y,-z,-x" in played.stderr, played
-open(sys.argv[2], "w").close()
+open(sys.argv[1], "w").close()
 
 # It pushes the wrong way along one axis.
 _, said, table = whole("wrong", ((0, 1, 1), (1, 1, -1), (2, 1, 1)))

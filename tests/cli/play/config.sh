@@ -60,7 +60,7 @@ wrong 'mapping.offset = 1' "--config: line 2: mapping.offset must be 3 numbers i
 expect 2 '' "~play: --scale: '-1' is not a number from 0 to 1e\+15 UNITS/M $help" \
   -- play grid --device path:path --scale -1
 # No file chooses code, or where play writes and listens.
-for line in 'model-path = ["."]' 'log = "log"' 'report = "report"' 'frames = "frames"' 'device = "keys"' 'rate = 1' \
+for line in 'beside = "off"' 'log = "log"' 'report = "report"' 'frames = "frames"' 'device = "keys"' 'rate = 1' \
   'duration = 1' 'realtime = "off"' 'traversal = "paper"' 'selftest = true' 'config = "model.toml"'; do
   wrong "$line" "--config: line 2: ${line%% *} cannot be set by a file, only by the command line"
 done

@@ -10,12 +10,11 @@ import time
 
 from hid_standin import SPACEMOUSE, Device, environment, force, report, wait
 
-plugins = sys.argv[1]
 PROFILE = f"{os.environ['HAPGRID_SOURCE']}/examples/devices/teensy-rawhid.toml"
 
 
 def play(*options, grid=("stuck.0",), device=f"hid:{PROFILE}", settings="ramp.toml"):
-    of_grid = ["--model-path", plugins, "--traversal", "paper", "--config", settings] if grid else []
+    of_grid = ["--traversal", "paper", "--config", settings] if grid else []
     return subprocess.Popen(["play", *grid, "--device", device, *of_grid, *options], env=environment(), stdout=subprocess.DEVNULL if grid else subprocess.PIPE,
                             stderr=subprocess.PIPE, text=True)
 

@@ -7,4 +7,4 @@ stuck_grid 0
 settings ramp.toml 'safety.ramp = 50'
 settings mouse.toml 'safety.ramp = 50' 'mapping.speed = 0.4'
 python3 "$here/adapters.py"
-python3 "$here/device.py" "$HAPGRID_BUILD/tests/plugins"
+python3 "$here/device.py"

@@ -11,7 +11,6 @@ import time
 from patience import Busy, patiently
 
 source, build = os.environ["HAPGRID_SOURCE"], os.environ["HAPGRID_BUILD"]
-plugins = f"{build}/tests/plugins"
 RIGHT = {"force-dimension": "force -0 0.5 0", "openhaptics": "force 0.5 0 -0", "haply": "force 0.5 0 0"}
 NONE = {"force-dimension": "force -0 0 0", "openhaptics": "force 0 0 -0", "haply": "force 0 0 0"}
 numbers = iter(range(100))
@@ -30,7 +29,7 @@ class Play:
                 stdout=subprocess.PIPE, text=True)
             command = f"/usr/bin/python3 {source}/examples/devices/haply.py {self.service.stdout.readline().strip()}"
         self.process = subprocess.Popen(
-            ["play", "stuck.0", "--device", f"process:{command}", "--model-path", plugins, "--traversal", "paper",
+            ["play", "stuck.0", "--device", f"process:{command}", "--traversal", "paper",
              "--config", "ramp.toml", *options], env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
 
     def heard(self):

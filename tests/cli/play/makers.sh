@@ -7,8 +7,7 @@ python3 "$here/makers.py"
 # The example without hardware. An adapter in Python is short, and needs no package.
 devices=$HAPGRID_SOURCE/examples/devices
 handle() {
-  play stuck.0 --device "process:/usr/bin/python3 -I -S $devices/handle.py" --model-path "$HAPGRID_BUILD/tests/plugins" \
-    --traversal paper --duration 0.5 --log handle.session >/dev/null 2>err || fail "$(cat err)"
+  play stuck.0 --device "process:/usr/bin/python3 -I -S $devices/handle.py" --traversal paper --duration 0.5 --log handle.session >/dev/null 2>err || fail "$(cat err)"
 }
 in_time err handle
 grep -q '^play: a handle on a spring at 1000 Hz; ' err || fail "$(cat err)"

@@ -2,4 +2,4 @@
 # every way out of it ends with zero force.
 source "$(dirname "$0")/../lib.sh"
 stuck_grid 0
-in_time "$work/errors" python3 "$here/bring_up.py" "$HAPGRID_BUILD/tests/plugins" "$work/errors"
+in_time "$work/errors" python3 "$here/bring_up.py" "$work/errors"

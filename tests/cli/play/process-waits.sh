@@ -40,7 +40,7 @@ ends() {
 }
 hanging_model() {
   touch hang
-  play_it --model-path hangs --log a.session 2>stderr &
+  HAPGRID_MODEL_PATH=hangs play_it --log a.session 2>stderr &
   wait_for 60 "loop" grep -q ' Hz; ' stderr
   ends $! "a model that hangs"
   grep -q '^play: the model beside the grid hangs: play ends without it$' stderr || fail "$(cat stderr)"

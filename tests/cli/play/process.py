@@ -13,7 +13,6 @@ from concurrent.futures import ThreadPoolExecutor
 import system_calls
 from patience import Busy, patiently, ramp
 
-plugins = f"{os.environ['HAPGRID_BUILD']}/tests/plugins"
 ADAPTER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "adapter.py")
 SESSION = os.environ["HAPGRID_SOURCE"] + "/tests/cli/stats/session.py"
 # Seconds from the fault until nothing pushes the hand: play's patience, and what a busy machine may add.
@@ -42,7 +41,7 @@ class Play:
         command = command or f"/usr/bin/python3 {ADAPTER} {self.record} {mode} {' '.join(words)}"
         settings, self.first_line = ramp(ramp_ms)
         self.process = subprocess.Popen(
-            [*wrapper, "play", grid, "--device", f"process:{command}", "--model-path", plugins, "--traversal", "paper",
+            [*wrapper, "play", grid, "--device", f"process:{command}", "--traversal", "paper",
              *settings, *options], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
 
     def events(self, kind):
@@ -189,8 +188,7 @@ def at_the_end():
         assert play.events("force")[-1][1:] == ("0.0", "1"), play.events("force")[-1]
         assert sum(x == "0.5" for _, x, _ in play.events("force")) > 50
         # The same forces again, without the adapter.
-        subprocess.run(["play", "stuck.0", "--device", "replay:log.session", "--log", "again.session", "--model-path",
-                        plugins], check=True, stderr=subprocess.DEVNULL)
+        subprocess.run(["play", "stuck.0", "--device", "replay:log.session", "--log", "again.session"], check=True, stderr=subprocess.DEVNULL)
         texts = [subprocess.run([sys.executable, SESSION, "text", name], check=True, capture_output=True,
                                 text=True).stdout for name in ("log.session", "again.session")]
         columns = texts[0].splitlines()[0].split("\t")
@@ -298,7 +296,7 @@ def real_time():
         return
     trace = subprocess.run(
         ["strace", "-f", "-o", "trace", "play", "stuck.0", "--device",
-         f"process:/usr/bin/python3 {ADAPTER} record.trace good", "--model-path", plugins, "--traversal", "paper",
+         f"process:/usr/bin/python3 {ADAPTER} record.trace good", "--traversal", "paper",
          "--rate", "200", "--duration", "0.5", "--log", "trace.session"],
         env=dict(os.environ, ASAN_OPTIONS="detect_leaks=0"), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     assert trace.returncode == 0, trace.stderr

@@ -64,9 +64,11 @@ counts = [2, 2, 2]
 [search]
 max_levels = 1
 TOML
-seed puppet.toml --model-path "$puppets" | expand --complete --model-path "$puppets" -o puppet.grid
+export HAPGRID_MODEL_PATH=$puppets
+seed puppet.toml | expand --complete -o puppet.grid
 expect 1 '' "play: model puppet: has no force function, forces cannot be computed" \
-  -- play puppet.grid --device path:path --model-path "$puppets" --log log
+  -- play puppet.grid --device path:path --log log
+unset HAPGRID_MODEL_PATH
 
 # Logs. A file that was there stays as it was, the grid first of all.
 cp grid kept

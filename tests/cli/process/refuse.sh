@@ -57,10 +57,12 @@ refuses "expand: $ball: (line [0-9]+: )?the key model\.process is missing" -- ex
 refuses "expand: gone\.toml: No such file or directory" -- expand seeds --allow-process gone.toml -o out
 refuses "expand: /dev/zero: is no regular file" -- expand seeds --allow-process /dev/zero -o out
 expect 2 '' '~expand: .*' -- expand seeds --allow-process
-for bad in 0 -1 nan x; do
-  expect 2 '' '~expand: .*--process-timeout.*' -- expand seeds --allow-process good.toml --process-timeout $bad
+for bad in 0 -1 nan 1e7 '"x"'; do
+  sed "s/^model = {/&timeout = $bad, /" good.toml >bad.toml
+  refuses 'expand: bad\.toml: line [0-9]+: model\.timeout .*' -- expand seeds --allow-process bad.toml -o out
+  refuses 'seed: bad\.toml: line [0-9]+: model\.timeout .*' -- seed bad.toml --allow-process -o out
 done
-expect 2 '' '~expand: .*--in-flight.*' -- expand seeds --allow-process good.toml --in-flight 0
+refuses "seed: $ball: .*model\.timeout is for a model\.process" -- seed "$ball" --set model.timeout=3 -o out
 
 # Definitions.
 bad() {  # SED MESSAGE
@@ -108,7 +110,9 @@ fails() {  # WORDS MESSAGE OPTION...
 }
 fails 'die 1' 'exited with status 7'
 fails 'die 1' 'exited with status 7' -j 3
-fails 'hang 1' 'gave no answer within 0\.2 s' --process-timeout 0.2
+define puppet hang 1 >told.toml
+sed -i 's/^model = {/&timeout = 0.2, /' told.toml
+refuses "expand: $conversion: $who hang 1' gave no answer within 0\.2 s; asked 3 times" -- expand seeds --allow-process told.toml -o out
 # A model that says itself what is wrong is asked once, and what it said is above the line.
 define puppet raise >told.toml
 expect 1 '' "~Traceback .*KeyError: 'gone'

@@ -13,12 +13,12 @@ seed "$ball" $small | expand --complete >plugin.grid
 [[ $(stats --get records grid) -gt 128 ]] || fail "no point has two levels"
 cmp <(dump grid | cut -f 1-31) <(dump plugin.grid | cut -f 1-31)
 
-# The same bytes with more copies, with more questions in flight, and in rounds, where only
+# The same bytes with more copies, and in rounds, where only
 # expand needs the process. In another directory the command still runs beside its definition.
 mkdir elsewhere
-expect 0 '' '' -- env -C elsewhere "$HAPGRID_BIN/expand" --complete ../seeds $allow -j 3 --in-flight 7 -o ../grid.3
+expect 0 '' '' -- env -C elsewhere "$HAPGRID_BIN/expand" --complete ../seeds $allow -j 3 -o ../grid.3
 cmp grid grid.3
-rounds seeds round $allow -j 2 --in-flight 2
+rounds seeds round $allow -j 2
 cmp grid round
 
 # In parts, of which each starts a process.
@@ -42,7 +42,7 @@ done
 cmp report.1 report.2
 grep -q 'fidelity' report.1
 
-# Answers in another order, and processes that die: the same bytes. tests/unit/model has more faults.
+# Answers in another order, more questions at a time, and processes that die: the same bytes. tests/unit/model has more faults.
 processes=$HAPGRID_SOURCE/tests/unit/model/processes
 define() {  # WORD...: the puppet, told to do something
   local words
@@ -56,8 +56,8 @@ TOML
 define >puppet.toml
 seed puppet.toml --allow-process -o puppet.seeds
 expand --complete puppet.seeds --allow-process puppet.toml -o puppet.grid
-for told in reverse 'die 50' 'short 60'; do
+for told in 'reverse 1 8' 'die 50 8' 'short 60 8' 'reverse 1 1'; do
   define $told >told.toml
-  expand --complete puppet.seeds --allow-process told.toml -j 2 --in-flight 8 -o told.grid
+  expand --complete puppet.seeds --allow-process told.toml -j 2 -o told.grid
   cmp puppet.grid told.grid || fail "$told"
 done

@@ -233,7 +233,8 @@ PYTHON
 sed 's/many/product/g; s/, parameters = {.*}}/}/; s/5, 5, 5/3, 3, 3/' many.toml >product.toml
 seed product.toml --allow-process -o product.seeds
 expand --complete product.seeds --allow-process product.toml -o product.grid
-for way in '-j 2' '-j 4' '--in-flight 1' '--in-flight 7'; do
-  # shellcheck disable=SC2086  # options
-  expand --complete product.seeds --allow-process product.toml $way | cmp - product.grid
+for threads in 2 4; do expand --complete product.seeds --allow-process product.toml -j $threads | cmp - product.grid; done
+for in_flight in 1 7; do
+  sed -i -E "s/\"state_size\": 40/&, \"in_flight\": $in_flight/" product.py
+  expand --complete product.seeds --allow-process product.toml | cmp - product.grid
 done

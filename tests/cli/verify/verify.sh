@@ -121,6 +121,7 @@ same "verdict" "$seeds_verdict" "$(cat err)"
 mkdir changed
 "${CXX:-c++}" -std=c++20 -shared -fPIC -I"$HAPGRID_SOURCE" -o changed/hung-ball.so \
   "$HAPGRID_SOURCE/tests/cli/verify/changed_ball.cpp"
+export HAPGRID_MODEL_PATH=changed
 # It has no force either.
 table=${table%$'\n'passive*} table=${table/gradient*steep/steep}
 changed=${table/'256 conversions              0  ok'/'256 conversions            106  broken'}
@@ -132,8 +133,8 @@ fidelity: links to a state that C, evaluated again, does not reach: if the model
   point 0 (0, 0, 0) level 0 direction 24 (0, 1, 1): C gives 0.25, stored at level 0 is 0
   point 0 (0, 0, 0) level 0 direction 25 (1, 1, 1): C gives 0.25, stored at level 0 is 0
   point 1 (1, 0, 0) level 0 direction 20 (-1, 0, 1): C gives 0.25, stored at level 0 is 0
-  and 101 more" 'verify: broken: fidelity (106 of 256)' -- verify grid --model-path changed
-verify grid --model-path changed --recompute all --format json >found 2>err || code=$?
+  and 101 more" 'verify: broken: fidelity (106 of 256)' -- verify grid
+verify grid --recompute all --format json >found 2>err || code=$?
 same "exit code" 3 "${code:-0}"
 python3 - <<'PYTHON'
 import json
@@ -143,8 +144,9 @@ first = {check["name"]: check["first"] for check in found["checks"]}["fidelity"]
 assert first.pop("text").startswith("point 1 (1, 0, 0) level 0 direction 20 (-1, 0, 1): C gives 0.25"), first
 assert first == {"point": [1, 0, 0], "level": 0, "direction": [-1, 0, 1]}, first
 PYTHON
-HAPGRID_MODEL_PATH=changed verify grid -j 2 >found 2>err || true
-same "the same with HAPGRID_MODEL_PATH and two threads" 'verify: broken: fidelity (106 of 256)' \
+verify grid -j 2 >found 2>err || true
+unset HAPGRID_MODEL_PATH
+same "the same with two threads" 'verify: broken: fidelity (106 of 256)' \
   "$(cat err)"
 
 # What cannot be read or evaluated is no verdict.
@@ -156,8 +158,7 @@ expand seeds -o requests
 refuses 'verify: requests: .*' -- verify requests
 mkdir -p elsewhere moved/bin
 cp "$HAPGRID_BUILD/bin/verify" moved/bin/
-refuses 'verify: model hung-ball: no plug-in hung-ball.so in: elsewhere, .*/moved/models .*' -- \
-  moved/bin/verify grid --model-path elsewhere
+HAPGRID_MODEL_PATH=elsewhere refuses 'verify: model hung-ball: no plug-in hung-ball.so in: elsewhere, .*/moved/models .*' -- moved/bin/verify grid
 refuses 'verify: .*No space left on device' -- verify grid -o /dev/full
 
 for option in --damping --rate --scale; do

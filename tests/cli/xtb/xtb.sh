@@ -46,7 +46,7 @@ allow="--allow-process $toml"
 files=$(ls -A "$example")
 seed "$toml" "${small[@]}" --allow-process -o seeds
 expand --complete seeds $allow -o grid
-rounds seeds round $allow --in-flight 1
+rounds seeds round $allow
 cmp grid round
 [[ $(stats --get records grid) -gt 27 ]] || fail "no point has two levels"
 same "files of the example" "$files" "$(ls -A "$example")"

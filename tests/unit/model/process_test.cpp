@@ -21,10 +21,9 @@ std::vector<std::string> puppet(const std::string& fault, const std::string& at 
   return {"python3", "puppet.py", fault, at};
 }
 
-std::unique_ptr<Model> create(std::vector<std::string> words, unsigned in_flight = 4,
-                              double timeout = kSeconds, double start_timeout = kSeconds) {
-  return ProcessSource("puppet", std::move(words), kProcesses, {timeout, in_flight, start_timeout})
-      .create({});
+std::unique_ptr<Model> create(std::vector<std::string> words, double timeout = kSeconds,
+                              double start_timeout = kSeconds) {
+  return ProcessSource("puppet", std::move(words), kProcesses, {timeout, start_timeout}).create({});
 }
 
 /// The states of `count` conversions from states with s[0] = 0, 1, 2, ...; an error where one
@@ -61,15 +60,15 @@ bool no_children() { return ::waitpid(-1, nullptr, WNOHANG) < 0 && errno == ECHI
 }  // namespace
 
 TEST_CASE("what is reached depends on no fault that passes, and no order of answers") {
-  auto good = create(puppet(""), 1);
+  auto good = create({"python3", "puppet.py", "", "1", "1"});
   const Run expected = convert(*good, 110);
   REQUIRE(expected.failures == 0);
   CHECK(expected.rows[2 * 7] == 7);
   CHECK(expected.rows[2 * 7 + 1] == 1.5);
   CHECK(good->known_states({4, 0, 0}) == std::vector<double>{0.5, 4});
   for (const char* fault : {"", "reverse", "chatty"})
-    for (const unsigned in_flight : {1u, 4u, 64u}) {
-      auto model = create(puppet(fault), in_flight);
+    for (const char* in_flight : {"1", "4", "64"}) {
+      auto model = create({"python3", "puppet.py", fault, "1", in_flight});
       CHECK(convert(*model, 110).rows == expected.rows);
     }
   for (const char* fault : {"die", "crash", "id", "number", "short", "long", "nan"}) {
@@ -80,7 +79,7 @@ TEST_CASE("what is reached depends on no fault that passes, and no order of answ
     CHECK(run.rows == expected.rows);
   }
   for (const char* fault : {"hang", "close"}) {
-    auto model = create(puppet(fault, "90"), 4, 0.5);
+    auto model = create(puppet(fault, "90"), 0.5);
     CHECK(convert(*model, 110).rows == expected.rows);
   }
 }
@@ -107,7 +106,7 @@ TEST_CASE("what became of a process is said") {
       {"short", "an answer with 1 numbers in \"s\", not 2"},
       {"huge", "wrote a line of more than 4224 bytes"}};
   const auto error = [](const std::string& fault) {
-    auto model = create(puppet(fault), 4, fault == "hang" ? 0.3 : kSeconds);
+    auto model = create(puppet(fault), fault == "hang" ? 0.3 : kSeconds);
     return convert(*model, 1).errors[0];
   };
   for (const auto& [fault, what] : faults)
@@ -118,7 +117,7 @@ TEST_CASE("what became of a process is said") {
 
 TEST_CASE("a process that does not get as far as saying what it is") {
   const auto why = [](std::vector<std::string> words, double timeout = kSeconds) {
-    return refusal([&] { create(std::move(words), 4, timeout, timeout); });
+    return refusal([&] { create(std::move(words), timeout, timeout); });
   };
   const std::string who = "model puppet: process 'python3 puppet.py ";
   CHECK(why(puppet("unknown-key")).find(who + "unknown-key 1' unknown key \"tolerence\"") == 0);
@@ -126,7 +125,7 @@ TEST_CASE("a process that does not get as far as saying what it is") {
   CHECK(
       why(puppet("mute"), 0.5) ==
       who +
-          "mute 1' did not say what it is within 0.5 s; a longer --process-timeout gives it more");
+          "mute 1' did not say what it is within 0.5 s; a longer timeout in [model] gives it more");
   CHECK(why(puppet("dead")) == who + "dead 1' exited with status 5 before it had said what it is");
   CHECK(why(puppet("binary"))
             .starts_with(who + "binary 1' printed '?"

@@ -26,8 +26,9 @@ void store(double* p, const Lanes& v) {
 
 /// Before a function's definition: it is compiled for processors with AVX2, too, and the program
 /// takes what the processor has. It is for functions in which much of the search's time is spent.
-/// Clang would want it before their declarations.
-#if defined(__x86_64__) && !defined(__clang__)
+/// Clang would want it before their declarations, and the thread sanitizer is not ready when the
+/// program chooses.
+#if defined(__x86_64__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__)
 #define HAPGRID_WITH_AVX2 __attribute__((target_clones("default", "avx2")))
 #else
 #define HAPGRID_WITH_AVX2

@@ -6,7 +6,7 @@ import os
 import subprocess
 from typing import Any
 
-from hapgrid.files import model_words, program
+from hapgrid.files import program
 from hapgrid.frames import read_frames, read_spheres
 from hapgrid.quantities import AXES, plane_arrays, plane_name, report
 from hapgrid.style import ENERGY, FORCE, GREY, figure, house_style, label, plain, sign
@@ -16,10 +16,9 @@ CONTOURS = 12
 WHOLE = 97  # per cent of the points that contours reach: the rest lies inside of something
 
 
-def field(grid: str | os.PathLike[str], plane: str | None = None, model_path: str | os.PathLike[str] | None = None) -> Any:
+def field(grid: str | os.PathLike[str], plane: str | None = None) -> Any:
     """Energy contours and force arrows in the grid's plane that is nearest to `plane`, as in "z=0", and where the model's
-    spheres cut it; in the middle of y where it is left out. At each point they are those of a hand that comes from the left.
-    model_path: folder of the grid's plug-in, where it is one of your own."""
+    spheres cut it; in the middle of y where it is left out. At each point they are those of a hand that comes from the left."""
     import numpy
 
     arrays, axis, index, u, v = plane_arrays(grid, plane)
@@ -30,7 +29,7 @@ def field(grid: str | os.PathLike[str], plane: str | None = None, model_path: st
             at = numpy.zeros(3)
             at[[u, v, axis]] = i, k, index
             rows.append(origin + spacing * at)
-    log = _played(grid, model_path, rows, "--log")
+    log = _played(grid, rows, "--log")
     ticks = numpy.loadtxt(io.BytesIO(log), ndmin=2)
     names = log.split(b"\n", 1)[0].decode().lstrip("# ").split("\t")
     width = max(2 * counts[u] - 2, 1)
@@ -40,7 +39,7 @@ def field(grid: str | os.PathLike[str], plane: str | None = None, model_path: st
         return ticks[shown, names.index(name)] if name in names else numpy.full(shown.shape, numpy.nan)
     energy, force = column("energy"), [column(f"force_{AXES[a]}") for a in (u, v)]
     x, y = (origin[a] + spacing * numpy.arange(counts[a]) for a in (u, v))
-    spheres = _cut(_played(grid, model_path, rows[:1], "--frames"), axis, origin[axis] + index * spacing)
+    spheres = _cut(_played(grid, rows[:1], "--frames"), axis, origin[axis] + index * spacing)
     length = max(x[-1] - x[0], spacing), max(y[-1] - y[0], spacing)
     scale = min(5.2 / length[0], 4.6 / length[1])
     unit = known["length_unit"]
@@ -72,10 +71,10 @@ def field(grid: str | os.PathLike[str], plane: str | None = None, model_path: st
     return drawn
 
 
-def _played(grid: Any, model_path: Any, rows: Any, option: str) -> bytes:
+def _played(grid: Any, rows: Any, option: str) -> bytes:
     """What play writes of a path through these places, from the grid alone. Raises ValueError."""
     text = "".join(" ".join(map(repr, map(float, row))) + "\n" for row in rows)
-    command = [program("play"), os.fspath(grid), "--beside", "off", "--device", "path:-", option, "-", *model_words(model_path)]
+    command = [program("play"), os.fspath(grid), "--beside", "off", "--device", "path:-", option, "-"]
     done = subprocess.run(command, input=text.encode(), capture_output=True, check=False)
     if done.returncode != 0:
         raise ValueError(done.stderr.decode(errors="replace").strip().rsplit("\n", 1)[-1])

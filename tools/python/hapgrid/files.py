@@ -20,11 +20,6 @@ def program(name: str) -> str:
     return os.path.join(FILTERS, name)
 
 
-def model_words(folder: str | os.PathLike[str] | None) -> list[str]:
-    """The option for a folder with plug-ins of one's own."""
-    return [] if folder is None else ["--model-path", os.fspath(folder)]
-
-
 class Grid(dict[str, Any]):
     """The arrays of a grid by name. known: what stats says of it as JSON, such as "model", "length_unit" and "energy_unit"."""
 
@@ -39,8 +34,7 @@ class Grid(dict[str, Any]):
         return f"<Grid of {self.known['model']}: {points}, {len(self['level'])} records with {columns}>"
 
 
-def read(path: str | os.PathLike[str], grid: str | os.PathLike[str] | None = None,
-         model_path: str | os.PathLike[str] | None = None) -> dict[str, Any]:
+def read(path: str | os.PathLike[str], grid: str | os.PathLike[str] | None = None) -> dict[str, Any]:
     """The arrays of a grid, a session, a text log or a file of frames, as a dict from their names to arrays of NumPy.
 
     hapgrid-stats(1) lists those of a grid and of a session. A grid's have a row for each record: "point" (n x 3),
@@ -54,8 +48,8 @@ def read(path: str | os.PathLike[str], grid: str | os.PathLike[str] | None = Non
                    hand (that pulls the HIP by a spring; NaN without one)
 
     A session has neither states nor energies. With `grid`, the file of the grid that was played, play replays the
-    session there by its defaults, and the ticks are those of a text log, with both. `model_path` is the folder of the
-    grid's plug-in, where it is one of your own.
+    session there by its defaults, and the ticks are those of a text log, with both.
+    os.environ["HAPGRID_MODEL_PATH"] names the folder of the grid's plug-in, where it is one of your own.
 
     Raises OSError when the file cannot be read, and ValueError when it is none of these or damaged.
     """
@@ -67,7 +61,7 @@ def read(path: str | os.PathLike[str], grid: str | os.PathLike[str] | None = Non
         if MAGIC in start:
             return {"frames": read_frames(path, start + file.read())}
     if grid is not None:
-        return {"ticks": _replayed(path, os.fspath(grid), model_path)}
+        return {"ticks": _replayed(path, os.fspath(grid))}
     return _arrays(path)
 
 
@@ -130,8 +124,8 @@ def _arrays(path: str) -> dict[str, Any]:
     raise ValueError(f"{path}: {why}")
 
 
-def _replayed(path: str, grid: str, model_path: str | os.PathLike[str] | None) -> Any:
-    command = [program("play"), grid, "--device", f"replay:{path}", "--log", "-", *model_words(model_path)]
+def _replayed(path: str, grid: str) -> Any:
+    command = [program("play"), grid, "--device", f"replay:{path}", "--log", "-"]
     result = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, check=False)
     if result.returncode != 0:
         raise ValueError(f"{path}: {result.stderr.decode(errors='replace').strip()}")

@@ -64,10 +64,9 @@ class Play:
     """A log, session or file of frames. ticks: as read() has them; units: of "length", "energy" and "state", "" where they
     are not known."""
 
-    def __init__(self, path: str | os.PathLike[str], grid: str | os.PathLike[str] | None = None,
-                 model_path: str | os.PathLike[str] | None = None) -> None:
+    def __init__(self, path: str | os.PathLike[str], grid: str | os.PathLike[str] | None = None) -> None:
         self.path = os.fspath(path)
-        arrays = read(self.path, grid, model_path)
+        arrays = read(self.path, grid)
         self.ticks = arrays.get("ticks", arrays.get("frames"))
         if self.ticks is None:
             raise ValueError(f"{self.path}: a grid, not a session, log or file of frames")

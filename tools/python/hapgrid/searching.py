@@ -8,15 +8,14 @@ import sys
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from hapgrid.files import model_words, program
+from hapgrid.files import program
 
 BAR = 30  # characters
 UNITS = {"": 1, " k": 1e3, " M": 1e6, " G": 1e9, " T": 1e12}  # of the filters' numbers
 
 
 def search(definition: str | os.PathLike[str], output: str | os.PathLike[str] | None = None, *, allow_process: bool = False,
-           processors: int | None = None, set: Mapping[str, Any] | None = None,
-           model_path: str | os.PathLike[str] | None = None) -> str:
+           processors: int | None = None, set: Mapping[str, Any] | None = None) -> str:
     """Searches the grid of a definition, and returns the name of its file, for read().
 
     output          the file; by default the definition's name with .grid. What is there is replaced when the new grid is
@@ -25,22 +24,18 @@ def search(definition: str | os.PathLike[str], output: str | os.PathLike[str] | 
     processors      how many models work at a time; by default, as many as it may use processors
     set             keys of the definition that have other values than in the file: {"grid.spacing": 0.5}
 
-    model_path      folder of the plug-in, where it is one of your own; no other folder is searched for it unasked
-
     Progress goes to the notebook's cell, or to standard error if that is a terminal. Raises RuntimeError with what a
     filter said when it failed.
     """
     definition = os.fspath(definition)
     grid = os.fspath(output) if output is not None else os.path.splitext(definition)[0] + ".grid"
     overrides = [word for key, value in (set or {}).items() for word in ("--set", f"{key}={_toml(value)}")]
-    seeds = subprocess.run([program("seed"), definition, *overrides, *["--allow-process"] * allow_process,
-                            *model_words(model_path)],
+    seeds = subprocess.run([program("seed"), definition, *overrides, *["--allow-process"] * allow_process],
                            stdin=subprocess.DEVNULL, capture_output=True, check=False)
     if seeds.returncode != 0:
         hint = "; give search() allow_process=True" if not allow_process and b"--allow-process" in seeds.stderr else ""
-        hint = "; give search() model_path=FOLDER" if model_path is None and b"no plug-in" in seeds.stderr else hint
         raise RuntimeError(seeds.stderr.decode(errors="replace").strip() + hint)
-    command = [program("expand"), "--complete", "-", "-o", grid, "-j", str(processors or 0), *model_words(model_path)]
+    command = [program("expand"), "--complete", "-", "-o", grid, "-j", str(processors or 0)]
     if allow_process:
         command += ["--allow-process", definition]
     _watch(command, seeds.stdout)

@@ -66,7 +66,6 @@ def arguments(words: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--x", metavar="COLUMN", help="column along the horizontal axis (default: t)")
     parser.add_argument("--y", metavar="COLUMN", help="column along the vertical axis")
     parser.add_argument("--grid", metavar="GRID", help="grid that was played: units, and a session's states and energies")
-    parser.add_argument("--model-path", metavar="DIR", help="folder of GRID's plug-in, where it is one of your own")
     parser.add_argument("--names", metavar="A,B,...", help="names of the files in the legend")
     parser.add_argument("--labels", metavar="X,Y", help="labels of the axes, in place of the columns' names and units")
     parser.add_argument("--walks", metavar="N", type=int, help="random walks for each grid of error (default: 100)")
@@ -85,15 +84,13 @@ def checked(options: argparse.Namespace) -> argparse.Namespace:
     """The options, where each of them means something for the picture. Raises Wrong."""
     from hapgrid.style import kind_of
 
-    mine = {"slice": {"at"}, "field": {"at", "model_path"}, "columns": {"x", "y", "grid", "model_path", "names", "labels"},
-            "session": {"grid", "model_path"}, "error": {"walks", "allow_process", "model_path"}}[options.picture]
-    for name in ("at", "x", "y", "grid", "model_path", "names", "labels", "walks", "allow_process"):
+    mine = {"slice": {"at"}, "field": {"at"}, "columns": {"x", "y", "grid", "names", "labels"},
+            "session": {"grid"}, "error": {"walks", "allow_process"}}[options.picture]
+    for name in ("at", "x", "y", "grid", "names", "labels", "walks", "allow_process"):
         if getattr(options, name) is not None and name not in mine:
             raise Wrong(f"--{name.replace('_', '-')} is not for {options.picture}")
     if options.picture in ("slice", "field", "session") and len(options.files) != 1:
         raise Wrong(f"{options.picture} draws one file, not {len(options.files)}")
-    if options.model_path is not None and options.grid is None and options.picture not in ("error", "field"):
-        raise Wrong("--model-path needs --grid GRID")
     if options.picture == "columns" and options.y is None:
         raise Wrong("columns needs --y COLUMN")
     options.labels = options.labels and options.labels.split(",")
@@ -123,15 +120,13 @@ def draw(options: argparse.Namespace) -> None:
     if options.picture == "slice":
         figure = plot.slice(options.files[0], options.at)
     elif options.picture == "field":
-        figure = plot.field(options.files[0], options.at, options.model_path)
+        figure = plot.field(options.files[0], options.at)
     elif options.picture == "columns":
-        figure = plot.columns(options.files, options.x or "t", options.y, grid=options.grid, names=options.names, labels=options.labels,
-                              model_path=options.model_path)
+        figure = plot.columns(options.files, options.x or "t", options.y, grid=options.grid, names=options.names, labels=options.labels)
     elif options.picture == "session":
-        figure = plot.session(options.files[0], options.grid, options.model_path)
+        figure = plot.session(options.files[0], options.grid)
     else:
-        given = {"allow-process": options.allow_process, "model-path": options.model_path}
-        more = [f"--{name}={value}" for name, value in given.items() if value]
+        more = [f"--allow-process={options.allow_process}"] if options.allow_process else []
         figure = plot.error(options.files, walks=options.walks or 100, options=more)
     if options.output == "-":
         sys.stdout.buffer.write(style.picture(figure, "png"))
