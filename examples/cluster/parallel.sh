@@ -6,6 +6,6 @@
 # All hosts see the working directory and the filters under the same path.
 set -euo pipefail
 hosts=$1 parts=$2
-command=(env "PATH=$PATH" "HAPGRID_MODEL_PATH=${HAPGRID_MODEL_PATH-}" "PMI_SIZE=$parts" PMI_RANK=@rank@ "${@:3}")
+command=(env "PATH=$PATH" "PMI_SIZE=$parts" PMI_RANK=@rank@ "${@:3}")
 seq 0 $((parts - 1)) |
   parallel --will-cite --sshlogin "$hosts" -I @rank@ "cd $(printf %q "$PWD") && $(printf '%q ' "${command[@]}")"
