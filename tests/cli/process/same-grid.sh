@@ -56,7 +56,7 @@ TOML
 define >puppet.toml
 seed puppet.toml --allow-process -o puppet.seeds
 expand --complete puppet.seeds --allow-process puppet.toml -o puppet.grid
-for told in 'reverse 1 8' 'die 50 8' 'short 60 8' 'reverse 1 1'; do
+for told in 'reverse 1 in_flight=8' 'die 50 in_flight=8' 'short 60 in_flight=8' 'reverse 1 in_flight=1'; do
   define $told >told.toml
   expand --complete puppet.seeds --allow-process told.toml -j 2 -o told.grid
   cmp puppet.grid told.grid || fail "$told"

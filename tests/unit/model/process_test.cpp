@@ -60,14 +60,14 @@ bool no_children() { return ::waitpid(-1, nullptr, WNOHANG) < 0 && errno == ECHI
 }  // namespace
 
 TEST_CASE("what is reached depends on no fault that passes, and no order of answers") {
-  auto good = create({"python3", "puppet.py", "", "1", "1"});
+  auto good = create({"python3", "puppet.py", "", "1", "in_flight=1"});
   const Run expected = convert(*good, 110);
   REQUIRE(expected.failures == 0);
   CHECK(expected.rows[2 * 7] == 7);
   CHECK(expected.rows[2 * 7 + 1] == 1.5);
   CHECK(good->known_states({4, 0, 0}) == std::vector<double>{0.5, 4});
   for (const char* fault : {"", "reverse", "chatty"})
-    for (const char* in_flight : {"1", "4", "64"}) {
+    for (const char* in_flight : {"in_flight=1", "in_flight=4", "in_flight=64"}) {
       auto model = create({"python3", "puppet.py", fault, "1", in_flight});
       CHECK(convert(*model, 110).rows == expected.rows);
     }

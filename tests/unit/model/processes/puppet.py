@@ -1,7 +1,7 @@
 """A model process that does as it is told: the states are those of a closed form, so any answer of
 a process that lived can be checked, and `fault` says what it does beside answering.
 
-  puppet.py [FAULT [AT [IN_FLIGHT]]]    FAULT happens at each AT-th question to a process (default 1):
+  puppet.py [FAULT [AT [in_flight=N]]]    FAULT happens at each AT-th question to a process (default 1):
     die crash hang garbage id number short long nan huge close   instead of an answer
     raise      an exception that nobody catches
     fail       answers {"error": ...}
@@ -53,8 +53,8 @@ hello = json.loads(waiting.pop(0))
 assert hello["hapgrid"] == 1
 description = {"hapgrid": 1, "state_size": 2, "d_max": 10, "tolerance": 1e-3,
                "norm": "rms" if fault == "rms" else "max"}
-if len(sys.argv) > 3:
-    description["in_flight"] = int(sys.argv[3])
+if sys.argv[-1].startswith("in_flight="):
+    description["in_flight"] = int(sys.argv[-1].partition("=")[2])
 if fault == "import":
     import no_such_module  # noqa: F401
 if fault == "version":
