@@ -11,6 +11,8 @@ bad "SMILES 'CCC\(': not understood" --smiles 'CCC('
 bad 'none\.sdf: No such file or directory' none.sdf
 printf '3\n\nC 0 0 0\nC 0 0 0\nH 0 0 0\n' >nowhere.xyz
 bad 'nowhere\.xyz: no coordinates and no bonds: give a file that has them, or --smiles' nowhere.xyz
+printf '3\n\nO 0 0 0\nH 0.96 0 0\nH 0 1e20 0\n' >far.xyz
+bad 'far\.xyz: atom 3 is 1e\+20 angstrom from the origin: these are no coordinates of a molecule' far.xyz
 head -c 2000 /dev/urandom | base64 >noise.sdf
 bad 'noise\.sdf: not understood as SDF' noise.sdf
 obabel -:"$(printf 'C%.0s' {1..66})" -osdf -h -O big.sdf 2>obabel.log

@@ -22,6 +22,7 @@ from .formats import Input, Record, check_count
 from .molecule import BadInput, Molecule, is_flat, listed, numbers_of, places_of, signed
 
 ADVICE = "the file is damaged or too complicated: give it in another format, or --smiles"
+FARTHEST = 9999  # angstrom: columns of SDF have no more digits
 LEAST_DISTANCE = 0.5  # angstrom
 TRIPLE = 0.85  # of the sum of the covalent radii: a carbon whose only bond is longer has no triple bond
 # The last has too many neighbours to lie in a plane with them.
@@ -120,6 +121,9 @@ def _refuse_no_coordinates(given: Input, mol: Chem.Mol) -> None:
     what, numbers, x = given.what, numbers_of(mol), places_of(mol)
     if 0 in numbers:
         raise BadInput(f"{what}: atom {numbers.index(0) + 1} is of no known element: correct its symbol")
+    far = np.abs(x).max(axis=1, initial=0)
+    if far.max(initial=0) > FARTHEST:
+        raise BadInput(f"{what}: atom {far.argmax() + 1} is {far.max():.3g} angstrom from the origin: these are no coordinates of a molecule")
     if given.kind != "smi" and len(x) > 1 and (x == 0).all() and (given.kind in ("xyz", "pdb") or mol.GetNumBonds() == 0):
         raise BadInput(f"{what}: no coordinates and no bonds: give a file that has them, or --smiles")
     if given.kind == "xyz" and is_flat(x) and (len(Chem.GetMolFrags(mol)) > 1 or mol.HasSubstructMatch(BULKY)):
