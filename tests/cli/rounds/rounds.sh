@@ -35,7 +35,7 @@ same "rounds after a seed that failed" "$before" "$(kept my.rounds)"
 mv good.toml my.toml
 cmp my.grid reference
 expect 0 'my.grid: is complete' '' -- hapgrid rounds my.toml
-expect 0 '~my.grid: round 2 is .*' '' -- hapgrid rounds my.toml --set grid.counts=[4,5,6]
+expect 0 '~my.grid: goes on after round 1.*' '' -- hapgrid rounds my.toml --set grid.counts=[4,5,6]
 seed my.toml --set grid.counts=[4,5,6] | expand --complete | cmp - my.grid
 
 # Any name, in any folder, beside the model and its data; of files with other names than its own nothing is touched.
