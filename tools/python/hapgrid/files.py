@@ -25,6 +25,23 @@ def model_words(folder: str | os.PathLike[str] | None) -> list[str]:
     return [] if folder is None else ["--model-path", os.fspath(folder)]
 
 
+def write_whole(path: str, content: str | bytes) -> None:
+    """Writes a file so that it is there in full, or as it was before."""
+    beside = f"{path}.new.{os.getpid()}"
+    try:
+        with open(beside, "wb") as file:
+            file.write(content if isinstance(content, bytes) else content.encode())
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(beside, path)
+    except BaseException as why:
+        if os.path.exists(beside):
+            os.remove(beside)
+        if isinstance(why, OSError):
+            why.filename, why.filename2 = path, None
+        raise
+
+
 class Grid(dict[str, Any]):
     """The arrays of a grid by name. known: what stats says of it as JSON, such as "model", "length_unit" and "energy_unit"."""
 

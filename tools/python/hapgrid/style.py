@@ -16,6 +16,8 @@ from collections.abc import Iterator
 from types import ModuleType
 from typing import Any
 
+from hapgrid.files import write_whole
+
 BLUE, ORANGE, GREEN, PURPLE, BROWN, GREY = "#0072b2", "#c8500a", "#00805e", "#9a4f86", "#806000", "#6b6b6b"
 FORCE, ENERGY, SNAP = "#008073", "#1e5abe", "#b05405"  # as pages, films and the terminal have them (libcore/scene/drawing.hpp)
 COLOURS = [BLUE, ORANGE, GREEN, PURPLE, BROWN, GREY]
@@ -96,19 +98,7 @@ def save(drawn: Any, name: str | os.PathLike[str]) -> None:
         with open(name, "wb") as file:
             file.write(content)
         return
-    beside = f"{name}.new.{os.getpid()}"
-    try:
-        with open(beside, "wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(beside, name)
-    except BaseException as why:
-        if os.path.exists(beside):
-            os.remove(beside)
-        if isinstance(why, OSError):
-            why.filename, why.filename2 = name, None
-        raise
+    write_whole(name, content)
 
 
 def plain(text: str) -> str:

@@ -76,6 +76,18 @@ def number(low: float, high: float, kind: Callable[[str], Any] = float) -> Calla
     return read
 
 
+def three(low: float, high: float) -> Callable[[str], list[float]]:
+    def read(text: str) -> list[float]:
+        try:
+            values = [float(word) for word in text.split(",")]
+        except ValueError:
+            values = []
+        if len(values) != 3 or not all(low <= v <= high for v in values):
+            raise argparse.ArgumentTypeError(f"must be three numbers from {low:g} to {high:g} with commas between")
+        return values
+    return read
+
+
 def guarded(command: str, parse: Callable[[Sequence[str]], argparse.Namespace], run: Callable[[argparse.Namespace], str],
             arguments: Sequence[str]) -> int:
     """Runs a command and returns its exit code. parse(arguments) gives options, run(options) the line for standard output."""

@@ -16,21 +16,6 @@ class Failed(Exception):
     """What was asked for is not possible; the message is one line."""
 
 
-def write_whole(path: str, content: str | bytes) -> None:
-    """Writes a file so that it is there in full, or as it was before. content: text or bytes."""
-    beside = f"{path}.new.{os.getpid()}"
-    try:
-        with open(beside, "wb") as file:
-            file.write(content if isinstance(content, bytes) else content.encode())
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(beside, path)
-    except BaseException:
-        if os.path.exists(beside):
-            os.remove(beside)
-        raise
-
-
 def pieces(path: str, most: int = MOST_BYTES) -> Iterator[bytes]:
     """The content of a file from outside, a MiB at a time. Errors: Failed, where it has more than `most` bytes, where it is
     a device or a pipe, for which nobody would wait, and where another file names it as no file can be named."""

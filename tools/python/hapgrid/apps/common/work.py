@@ -22,7 +22,7 @@ from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, TypeVar
 
-from hapgrid.files import FILTERS
+from hapgrid.files import FILTERS, write_whole
 
 from . import files
 from .cli import UsageError
@@ -53,7 +53,7 @@ class Cache:
 
     def put(self, name: str, value: Any) -> None:
         os.makedirs(self.directory, exist_ok=True)
-        files.write_whole(os.path.join(self.directory, name + ".json"), json.dumps(value))
+        write_whole(os.path.join(self.directory, name + ".json"), json.dumps(value))
 
     def take(self, key: Any, compute: Callable[[], Any], read: Callable[[Any], Value]) -> Value:
         """read() of the value that was kept under a key, or else of compute(). read: raises ValueError or TypeError where a
@@ -153,7 +153,7 @@ class Work:
         return files.read_text(self.path(name))
 
     def write(self, name: str, content: str | bytes) -> None:
-        files.write_whole(self.path(name), content)
+        write_whole(self.path(name), content)
 
     def digest(self, name: str) -> str | None:
         return digest(self.path(name))

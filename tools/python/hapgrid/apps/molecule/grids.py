@@ -15,7 +15,7 @@ from dataclasses import asdict, astuple, dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from hapgrid.apps.common import files, grid
+from hapgrid.apps.common import grid
 from hapgrid.apps.common.cli import BreaksRule
 from hapgrid.apps.common.files import Failed
 from hapgrid.apps.common.work import Work, about, duration
@@ -220,12 +220,7 @@ def computed(start: Start, what: str, name: str, seconds: float | None, look_for
 
 def short_of_room(folder: Work, made: str) -> Fault | None:
     """The Fault of a grid at whose sides the molecule is held, or None."""
-    array = ".room.npy"
-    try:
-        folder.run("stats", made, "--npy", array)
-        records = np.load(folder.path(array))
-    finally:
-        files.remove(folder.path(array))
+    records = grid.records(folder, made)
     box = json.loads(folder.run("stats", made, "--get", "box").out)
     # Where the molecule is out of its place something holds it there.
     point = records["point"][(records["state"][:, -RIGID:] != 0).any(axis=1)]
