@@ -1,7 +1,5 @@
 """Files that are whole, and names that are safe."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 import re

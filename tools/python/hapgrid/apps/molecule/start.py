@@ -1,7 +1,5 @@
 """The molecule that is felt, and what the steps have in common."""
 
-from __future__ import annotations
-
 from argparse import Namespace
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The command line of `hapgrid table`."""
 
-from __future__ import annotations
-
 import argparse
 import math
 from argparse import Namespace

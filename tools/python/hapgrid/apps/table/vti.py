@@ -1,7 +1,5 @@
 """VTK image data: .vti."""
 
-from __future__ import annotations
-
 import base64
 import lzma
 import re
