@@ -1,6 +1,4 @@
 """hapgrid's files as arrays of NumPy, and a grid as an image for ParaView and VTK."""
-from __future__ import annotations
-
 import io
 import json
 import os
@@ -18,6 +16,23 @@ FILTERS = str(Path(__file__).resolve().parents[2] / "bin")  # their folder lies 
 def program(name: str) -> str:
     """The path of a filter."""
     return os.path.join(FILTERS, name)
+
+
+def write_whole(path: str, content: str | bytes) -> None:
+    """Writes a file so that it is there in full, or as it was before."""
+    beside = f"{path}.new.{os.getpid()}"
+    try:
+        with open(beside, "wb") as file:
+            file.write(content if isinstance(content, bytes) else content.encode())
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(beside, path)
+    except BaseException as why:
+        if os.path.exists(beside):
+            os.remove(beside)
+        if isinstance(why, OSError):
+            why.filename, why.filename2 = path, None
+        raise
 
 
 class Grid(dict[str, Any]):

@@ -1,6 +1,4 @@
 """serve(): a model in Python answers hapgrid's questions (libcore/model/PROTOCOL.md)."""
-from __future__ import annotations
-
 import inspect
 import json
 import math

@@ -4,8 +4,6 @@ Lines have a contrast of at least 3 on white, texts of 4.5, and the colours diff
 Ito, Color Universal Design, 2008, darkened). The same data give the same bytes: files hold no date, and SVGs no random
 names. Letters of an SVG and of a PDF are text.
 """
-from __future__ import annotations
-
 import contextlib
 import io
 import logging
@@ -15,6 +13,8 @@ import warnings
 from collections.abc import Iterator
 from types import ModuleType
 from typing import Any
+
+from hapgrid.files import write_whole
 
 BLUE, ORANGE, GREEN, PURPLE, BROWN, GREY = "#0072b2", "#c8500a", "#00805e", "#9a4f86", "#806000", "#6b6b6b"
 FORCE, ENERGY, SNAP = "#008073", "#1e5abe", "#b05405"  # as pages, films and the terminal have them (libcore/scene/drawing.hpp)
@@ -96,19 +96,7 @@ def save(drawn: Any, name: str | os.PathLike[str]) -> None:
         with open(name, "wb") as file:
             file.write(content)
         return
-    beside = f"{name}.new.{os.getpid()}"
-    try:
-        with open(beside, "wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(beside, name)
-    except BaseException as why:
-        if os.path.exists(beside):
-            os.remove(beside)
-        if isinstance(why, OSError):
-            why.filename, why.filename2 = name, None
-        raise
+    write_whole(name, content)
 
 
 def plain(text: str) -> str:

@@ -6,7 +6,7 @@ work      the folder of the results; what is there already is not computed again
 grid      computing and verifying a grid in it
 programs  starting programs, and ending them with the command
 files     files that are whole
+pdb       alternate locations in PDB files
 sandbox   where files from strangers are read: behind walls
-plots     the house style of pictures
 texts     texts from outside on their way to a terminal
 """

@@ -1,7 +1,5 @@
 """The command line of a command that makes a grid."""
 
-from __future__ import annotations
-
 import argparse
 import os
 import re
@@ -73,6 +71,18 @@ def number(low: float, high: float, kind: Callable[[str], Any] = float) -> Calla
             raise argparse.ArgumentTypeError(f"must be from {low} to {high}")
         return value
     read.__name__ = getattr(kind, "__name__", "")
+    return read
+
+
+def three(low: float, high: float) -> Callable[[str], list[float]]:
+    def read(text: str) -> list[float]:
+        try:
+            values = [float(word) for word in text.split(",")]
+        except ValueError:
+            values = []
+        if len(values) != 3 or not all(low <= v <= high for v in values):
+            raise argparse.ArgumentTypeError(f"must be three numbers from {low:g} to {high:g} with commas between")
+        return values
     return read
 
 

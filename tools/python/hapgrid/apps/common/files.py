@@ -1,7 +1,5 @@
 """Files that are whole, and names that are safe."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 import re
@@ -14,21 +12,6 @@ MOST_BYTES = 64 << 30  # of a file of ours, such as a grid
 
 class Failed(Exception):
     """What was asked for is not possible; the message is one line."""
-
-
-def write_whole(path: str, content: str | bytes) -> None:
-    """Writes a file so that it is there in full, or as it was before. content: text or bytes."""
-    beside = f"{path}.new.{os.getpid()}"
-    try:
-        with open(beside, "wb") as file:
-            file.write(content if isinstance(content, bytes) else content.encode())
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(beside, path)
-    except BaseException:
-        if os.path.exists(beside):
-            os.remove(beside)
-        raise
 
 
 def pieces(path: str, most: int = MOST_BYTES) -> Iterator[bytes]:

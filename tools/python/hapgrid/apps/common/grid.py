@@ -1,13 +1,14 @@
 """Computing and verifying a grid in the folder of a work.Work."""
 
-from __future__ import annotations
-
 import json
 import resource
 import time
 from typing import Any
 
+import numpy as np
+
 from . import files
+from .arrays import Array
 from .files import Failed
 from .work import Work
 
@@ -49,6 +50,16 @@ def cpu_seconds(work: Work, grid: str) -> float:
         return sum(float(line["cpu_seconds"]) for line in _costs(work, f"{grid}.cost"))
     except (ValueError, TypeError, KeyError):
         raise Failed(f"{work.path(grid)}.cost: is not what was written: remove it") from None
+
+
+def records(work: Work, grid: str) -> Array:
+    """All that is known of all records of a grid."""
+    table = f"{grid if grid[0] == '.' else '.records'}.npy"
+    try:
+        work.run("stats", grid, "--npy", table)
+        return np.load(work.path(table))
+    finally:
+        files.remove(work.path(table))
 
 
 def verify(work: Work, what: str, grid: str, threads: int, seconds: float | None = None) -> bool:

@@ -1,7 +1,5 @@
 """Starting programs, and ending them: none of them outlives the command."""
 
-from __future__ import annotations
-
 import ctypes
 import errno
 import multiprocessing.context

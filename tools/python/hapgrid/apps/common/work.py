@@ -7,8 +7,6 @@ The folder can be renamed and copied: nothing in it has its name, and it may com
 no file in it can name one outside of it, and what is kept in .work counts only if it has the right form.
 """
 
-from __future__ import annotations
-
 import fcntl
 import functools
 import json
@@ -22,7 +20,7 @@ from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, TypeVar
 
-from hapgrid.files import FILTERS
+from hapgrid.files import FILTERS, write_whole
 
 from . import files
 from .cli import UsageError
@@ -53,7 +51,7 @@ class Cache:
 
     def put(self, name: str, value: Any) -> None:
         os.makedirs(self.directory, exist_ok=True)
-        files.write_whole(os.path.join(self.directory, name + ".json"), json.dumps(value))
+        write_whole(os.path.join(self.directory, name + ".json"), json.dumps(value))
 
     def take(self, key: Any, compute: Callable[[], Any], read: Callable[[Any], Value]) -> Value:
         """read() of the value that was kept under a key, or else of compute(). read: raises ValueError or TypeError where a
@@ -153,7 +151,7 @@ class Work:
         return files.read_text(self.path(name))
 
     def write(self, name: str, content: str | bytes) -> None:
-        files.write_whole(self.path(name), content)
+        write_whole(self.path(name), content)
 
     def digest(self, name: str) -> str | None:
         return digest(self.path(name))

@@ -1,12 +1,9 @@
 """The command line of `hapgrid dock`."""
 
-from __future__ import annotations
-
-import argparse
 from argparse import Namespace
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
-from hapgrid.apps.common.cli import EXIT_CODES, Parser, formatter, guarded, number
+from hapgrid.apps.common.cli import EXIT_CODES, Parser, formatter, guarded, number, three
 
 ABOUT = """\
 Makes a verified grid of a ligand in a rigid host, with pictures, so that a hand
@@ -40,18 +37,6 @@ examples:
   hapgrid dock host.pdbqt ligand.sdf -o pocket --centre 15,53,16 --size 8,8,8
   hapgrid dock host.maps.fld ligand.pdbqt -o maps
 """
-
-
-def three(low: float, high: float) -> Callable[[str], list[float]]:
-    def read(text: str) -> list[float]:
-        try:
-            values = [float(word) for word in text.split(",")]
-        except ValueError:
-            values = []
-        if len(values) != 3 or not all(low <= v <= high for v in values):
-            raise argparse.ArgumentTypeError(f"must be three numbers from {low:g} to {high:g} with commas between")
-        return values
-    return read
 
 
 def parser() -> Parser:

@@ -1,7 +1,5 @@
 """What Open Babel and AutoGrid, both of Debian, make of a host and a ligand."""
 
-from __future__ import annotations
-
 import os
 import tempfile
 from typing import TypeAlias
@@ -9,10 +7,11 @@ from typing import TypeAlias
 import numpy as np
 from hapgrid.apps.common import sandbox
 from hapgrid.apps.common.arrays import Array
-from hapgrid.apps.common.files import Failed, read_bytes, read_text, write_whole
+from hapgrid.apps.common.files import Failed, read_bytes, read_text
 from hapgrid.apps.common.work import Work
 from hapgrid.apps.table import readers, steps
 from hapgrid.apps.table.readers import Table
+from hapgrid.files import write_whole
 
 from . import pqr, prepare
 

@@ -1,13 +1,12 @@
 """A protein or nucleic acid as PDB2PQR writes it, .pqr, with AutoDock's types of atoms. Open Babel gives the
 charged groups of proteins no charge, so that it cannot make their PDBQT."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np
 from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import Failed
+from hapgrid.apps.table.readers import is_number
 
 BOND = 1.45  # angstrom: a hydrogen is no farther from its atom, which may be sulphur
 RINGS = {"PHE": "CG CD1 CD2 CE1 CE2 CZ", "TYR": "CG CD1 CD2 CE1 CE2 CZ", "HIS": "CG CD2 CE1",
@@ -51,16 +50,9 @@ def _words(line: str) -> list[str]:
         rest = re.findall(r"[-+]?[0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]+)?", line[54:])
         return [line[:6], line[6:11], line[12:16].strip(), line[17:21].strip(), *(line[c:c + 8] for c in (30, 38, 46)), *rest[:2]]
     words = line.split()
-    if len(words) >= 5 and all(_is_number(word) for word in words[-5:]):
+    if len(words) >= 5 and all(is_number(word) for word in words[-5:]):
         return words
     return re.sub(r"(?<=[0-9])-(?=[0-9]*\.)", " -", line).split()
-
-
-def _is_number(word: str) -> bool:
-    try:
-        return float(word) is not None
-    except ValueError:
-        return False
 
 
 def _atom(line: str, given: str) -> tuple[str, str, str, Array, float]:

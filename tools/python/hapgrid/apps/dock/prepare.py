@@ -1,13 +1,12 @@
 """Hosts and ligands as other programs write them: what is left out, what is refused, and what their user must know."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 
 import numpy as np
 from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import Failed
+from hapgrid.apps.common.pdb import kept_locations
 
 Atoms = list[tuple[str, Array, float]]  # as in maps.py
 WATERS = {"HOH", "WAT", "H2O", "DOD", "TIP", "TIP3", "TIP4", "SOL", "SPC"}
@@ -21,7 +20,7 @@ def without_others(text: str, given: str, say: Callable[[str], object], has_alte
     """A PDB or PQR text without alternate locations and crystal waters. PQR has no alternates, and its columns are not sure."""
     lines, at = text.split("\n"), [n for n, line in enumerate(text.split("\n")) if line.startswith(("ATOM", "HETATM"))]
     if has_alternates:
-        kept = _kept_locations([lines[n] for n in at if lines[n][16:17].strip()], given, say)
+        kept = kept_locations([lines[n] for n in at if lines[n][16:17].strip()], lambda text: say(f"  {given}: {text}"), together=False)
         stays = [n for n in at if not lines[n][16:17].strip() or lines[n][16] == kept[lines[n][21:27]]]
         for n in stays:  # without its letter, an alternate location is a location
             lines[n] = lines[n][:16] + " " + lines[n][17:]
@@ -35,25 +34,6 @@ def without_others(text: str, given: str, say: Callable[[str], object], has_alte
         stays = [n for n in stays if names[n] not in waters]
     gone = set(at) - set(stays)
     return "\n".join(line for n, line in enumerate(lines) if n not in gone and not line.startswith("ANISOU"))
-
-
-def _kept_locations(atoms: list[str], given: str, say: Callable[[str], object]) -> dict[str, str]:
-    """{residue: the letter of the alternate location that has the highest occupancy, of equal ones the first}"""
-    found: dict[str, dict[str, list[float]]] = {}
-    for line in atoms:
-        try:
-            occupancy = float(line[54:60])
-        except ValueError:
-            occupancy = 1.0
-        found.setdefault(line[21:27], {}).setdefault(line[16], []).append(occupancy)
-    means = {residue: {name: sum(v) / len(v) for name, v in ways.items()} for residue, ways in found.items()}
-    kept = {residue: min(mean, key=lambda name: (-mean[name], name)) for residue, mean in means.items()}
-    several = [residue for residue in means if len(means[residue]) > 1]
-    if several:
-        more = f" and {len(several) - 1} more" if len(several) > 1 else ""
-        say(f"  {given}: alternate locations of residue {' '.join(several[0].split())}{more}: {kept[several[0]]} is kept, of highest "
-            f"occupancy, {means[several[0]][kept[several[0]]]:.2f}")
-    return kept
 
 
 def require_known(found: Atoms, given: str) -> None:

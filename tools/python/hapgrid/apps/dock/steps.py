@@ -1,7 +1,5 @@
 """The steps of a host and a ligand from their files to the page."""
 
-from __future__ import annotations
-
 import json
 import math
 import os
@@ -9,6 +7,7 @@ from argparse import Namespace
 from typing import Any
 
 import numpy as np
+from hapgrid.apps.common import grid as grids
 from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import Failed, digest, pieces, remove
 from hapgrid.apps.table import page, readers
@@ -145,7 +144,7 @@ def _wall(work: Work, low: Array, spacing: float, counts: list[int], threads: in
         def seek() -> list[float]:
             seeds = f".records.{begin}"
             work.run("seed", ".records.toml", "--set", f"seeds.points={of}", "-o", seeds)
-            found = _records(work, seeds)
+            found = grids.records(work, seeds)
             os.remove(work.path(seeds))
             at = found["point"].astype(int) @ (1, counts[0], counts[0] * counts[1]) - begin
             lowest = np.full(len(of), np.inf)
@@ -167,22 +166,12 @@ def _wall(work: Work, low: Array, spacing: float, counts: list[int], threads: in
     return max(*(one[-1] for one in found), FORCE_SCALE * slopes.max(where=lowest.reshape(counts, order="F") > 0, initial=0))
 
 
-def _records(work: Work, grid: str) -> Array:
-    """All that is known of all records."""
-    table = f"{grid if grid[0] == '.' else '.records'}.npy"
-    work.run("stats", grid, "--npy", table)
-    try:
-        return np.load(work.path(table))
-    finally:
-        os.remove(work.path(table))
-
-
 def _page(work: Work, name: str) -> list[str]:
     grid = f"{name}.grid"
     report = json.loads(work.run("stats", grid, "--format", "json")[0])
     origin, spacing = np.array(report["box"]["origin"]), report["box"]["spacing"]
     counts = np.array(report["box"]["counts"])
-    records = _records(work, grid)
+    records = grids.records(work, grid)
     points, energy, state, links = records["point"].astype(int), records["energy"], records["state"], records["destination"]
     ends = [origin + spacing * end for end in _way(points, energy, links, counts)]
     work.write("path.txt", page.path_text(ends, "angstrom", TICKS))

@@ -4,8 +4,6 @@ RDKit reads MDL's formats (SDF, MOL), MOL2 and SMILES, and xyz.py XYZ. Of a PDB 
 the text does not say is UNSPECIFIED, and an atom whose hydrogens may be missing can have implicit ones: valences.py finds both.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -13,6 +11,7 @@ from typing import Any
 
 import numpy as np
 from hapgrid.apps.common.arrays import Array
+from hapgrid.apps.common.pdb import kept_locations
 from rdkit import Chem
 
 from . import geometry, stereo, titles, xyz
@@ -181,7 +180,8 @@ def lowest_first(frames: Sequence[xyz.Frame]) -> tuple[list[int], bool]:
 def _pdb(text: str, given: Input) -> None:
     for block in re.split(r"^END(?:MDL)?\s*$", text, flags=re.M):
         lines = [f"{line:<80}" for line in block.split("\n") if line.startswith(("ATOM  ", "HETATM"))]
-        lines = _without_alternates(lines, given.say)
+        kept = kept_locations([line for line in lines if line[16] != " "], given.say, together=True)
+        lines = [line for line in lines if line[16] in (" ", kept.get(line[21:27]))]
         if not lines:
             continue
         try:
@@ -193,27 +193,6 @@ def _pdb(text: str, given: Input) -> None:
         for atom in mol.GetAtoms():  # one that stands alone is an ion, or water
             atom.SetNoImplicit(atom.GetDegree() > 0 or atom.GetAtomicNum() != 8)
         given.records.append(Record(mol))
-
-
-def _without_alternates(lines: Sequence[str], say: Callable[[str], None]) -> list[str]:
-    """Of the alternate locations of each residue that stays which has the highest occupancy in all residues together, of equal
-    ones the first: A of one residue does not go with B of the next."""
-    found: dict[str, dict[str, list[float]]] = {}
-    for line in lines:
-        if line[16] != " ":
-            occupancy = float(line[54:60]) if re.fullmatch(r"\s*\d*\.?\d+\s*", line[54:60]) else 1.0
-            found.setdefault(line[21:27], {}).setdefault(line[16], []).append(occupancy)
-    means = {residue: {name: sum(v) / len(v) for name, v in locations.items()} for residue, locations in found.items()}
-    all_over: dict[str, float] = {}
-    for name, mean in (item for locations in means.values() for item in locations.items()):
-        all_over[name] = all_over.get(name, 0.0) + mean
-    kept = {residue: min(mean, key=lambda name: (-all_over[name], name)) for residue, mean in means.items()}
-    several = [residue for residue in means if len(means[residue]) > 1]
-    if several:
-        name, more = kept[several[0]], f" and {len(several) - 1} more" if len(several) > 1 else ""
-        say(f"alternate locations of residue {' '.join(several[0].split())}{more}: {name} is kept, of highest occupancy, "
-            f"{means[several[0]][name]:.2f}")
-    return [line for line in lines if line[16] in (" ", kept.get(line[21:27]))]
 
 
 def _element(line: str) -> int:

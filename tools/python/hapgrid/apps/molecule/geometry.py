@@ -3,8 +3,6 @@
 Positions in bohr, arrays (atoms, 3); angles in radians.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Sequence
 from typing import Any
 

@@ -5,17 +5,15 @@ past is measured, not guessed. Where a grid has a record at a side of its box in
 probe holds it there, and what lies behind is cut off. The box is then made a cell wider on that side.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import re
 from collections.abc import Sequence
 from dataclasses import asdict, astuple, dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from hapgrid.apps.common import files, grid
+from hapgrid.apps.common import grid
 from hapgrid.apps.common.cli import BreaksRule
 from hapgrid.apps.common.files import Failed
 from hapgrid.apps.common.work import Work, about, duration
@@ -23,10 +21,8 @@ from hapgrid.apps.common.work import Work, about, duration
 from . import along_hold, holding, path_selection, resolution, stiffness, xyz
 from .definition import MAX_LEVELS, PENALTY, Definition, paths_of
 from .results import Result
+from .start import Start
 from .xtb import BOHR, HARTREE
-
-if TYPE_CHECKING:
-    from .steps import Start
 
 VERIFY_SHARE = 0.15  # of the time that the grid took, about
 MOST_ROOM = 4.0  # angstrom that a side of the box is moved outwards, before no more room is looked for
@@ -62,7 +58,7 @@ class Remedies:
         return max(self.sides) < MOST_ROOM
 
     @classmethod
-    def of(cls, stored: Any) -> Remedies:
+    def of(cls, stored: Any) -> "Remedies":
         """Those that asdict() gave, or none where `stored` is something else: it may come from a stranger."""
         try:
             one = cls({str(k): str(why) for k, why in stored["unwanted"].items()}, int(stored["softer"]),
@@ -220,12 +216,7 @@ def computed(start: Start, what: str, name: str, seconds: float | None, look_for
 
 def short_of_room(folder: Work, made: str) -> Fault | None:
     """The Fault of a grid at whose sides the molecule is held, or None."""
-    array = ".room.npy"
-    try:
-        folder.run("stats", made, "--npy", array)
-        records = np.load(folder.path(array))
-    finally:
-        files.remove(folder.path(array))
+    records = grid.records(folder, made)
     box = json.loads(folder.run("stats", made, "--get", "box").out)
     # Where the molecule is out of its place something holds it there.
     point = records["point"][(records["state"][:, -RIGID:] != 0).any(axis=1)]

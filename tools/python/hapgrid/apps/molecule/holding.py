@@ -8,12 +8,9 @@ Along the held atom's way the torsion's energy E has the curvature E''. A tie th
 atom over the top of a barrier, where it can be balanced; a softer one lets it snap over.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from hapgrid.apps.common.arrays import Array
@@ -26,11 +23,9 @@ from . import geometry, rotors
 from .elements import MASSES, SYMBOLS
 from .molecule import Molecule, listed
 from .results import Path, Result
+from .start import Start
 from .torsions import Torsion
 from .xtb import BOHR, HARTREE
-
-if TYPE_CHECKING:
-    from .steps import Start
 
 STIFF, SOFT = 2.0, 0.5  # times the largest -E'': the tie's stiffness
 LEAST_TIE, MOST_TIE = 20.0, 4000.0  # kJ/(mol Å²); a softer one is a rubber band, where barriers are low

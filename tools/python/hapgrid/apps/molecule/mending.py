@@ -4,8 +4,6 @@ Programs write frames that begin anew in the middle, restarts write some twice, 
 meaning is put right, and said; what has none is refused. Distances are root mean squares over the atoms after superposition.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -13,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from hapgrid.apps.common.arrays import Array
 from scipy.optimize import linear_sum_assignment
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial.distance import cdist
 
 from . import geometry
@@ -122,15 +121,10 @@ def _alike(shapes: list[Shape], what: str, say: Callable[[str], object]) -> list
 
 def _joined(near: Array, first: int | None = None) -> set[int]:
     """What is connected with one, or the largest part."""
-    left, parts = set(range(len(near))), []
-    while left:
-        part = [first if first in left else min(left)]
-        for at in part:
-            part += [int(k) for k in np.flatnonzero(near[at]) if k not in part]
-        left -= set(part)
-        parts.append(set(part))
-        if first is not None:
-            break
+    part_of = connected_components(near)[1]
+    parts = [set(np.flatnonzero(part_of == n).tolist()) for n in sorted(set(part_of))]
+    if first is not None:
+        return parts[part_of[first]]
     # The numbers of the first frame are what people know, unless it is one of few.
     return max(parts, key=lambda part: (0 in part and 4 * len(part) >= len(near), len(part), -min(part)))
 

@@ -5,10 +5,7 @@ torsion, so steps are taken along the eigenvectors of a Hessian, never along the
 search for a saddle is the same, but it climbs along one eigenvector (Cerjan and Miller 1981).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 from hapgrid.apps.common.arrays import Array
@@ -16,11 +13,7 @@ from scipy.optimize import brentq
 
 from . import geometry
 from .results import Point
-from .xtb import WAVE_NUMBER
-
-
-if TYPE_CHECKING:
-    from .xtb import Potential
+from .xtb import WAVE_NUMBER, Potential
 
 FINE = 3e-6  # hartree/bohr: the largest component of the gradient at a minimum or a saddle
 # A bond beside several alkynes has no barrier: the differences of which a Hessian is made do not tell its wave number, cm^-1,

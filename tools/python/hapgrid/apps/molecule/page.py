@@ -1,14 +1,12 @@
 """The play along the way, and the page that sums up. Names and texts in it may come from anybody; none of them is trusted."""
 
-from __future__ import annotations
-
 import html
 import json
 import math
 import re
 import shlex
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from hapgrid.apps.common.arrays import Neighbours
@@ -20,12 +18,10 @@ from .definition import paths_of
 from .elements import COLOURS, SYMBOLS
 from .molecule import placed, signed
 from .probe_lines import read_log
+from .start import Start
+from .torsions import Torsion
 from .xtb import BOHR, HARTREE
 from .xyz import Frame, frames
-
-if TYPE_CHECKING:
-    from .steps import Start
-    from .torsions import Torsion
 
 ALL_BONDS = 4 | 8  # of RDKit: bonds between all atoms, each once
 METHODS = {"gfn2": "GFN2-xTB", "gfnff": "GFN-FF"}
@@ -41,7 +37,7 @@ SPINS = ("singlet", "doublet", "triplet", "quartet", "quintet")
 
 
 def write(start: Start, turned: Sequence[Torsion], ways: Sequence[str]) -> list[str]:
-    """Writes the page and returns the names of its files. start: steps.Start; turned: the torsions that
+    """Writes the page and returns the names of its files. turned: the torsions that
     the grid's paths turn; ways: files of the probe's ways, the best first."""
     folder, run = start.folder, start.folder.run
     run("play", f"{folder.name()}.grid", "--device", f"path:{ways[0]}", "--log", "played.log", "--frames", "played.frames",

@@ -5,11 +5,9 @@ a path goes on behind its barriers one that leaves the molecule in another minim
 farthest.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from hapgrid.apps.common import files
@@ -22,10 +20,8 @@ from .elements import RADII
 from .holding import Hold
 from .results import Path, Result
 from .rotors import label
+from .start import Start
 from .xtb import BOHR
-
-if TYPE_CHECKING:
-    from .steps import Start
 
 Line: TypeAlias = tuple[Array, Array, int]  # start, end, and the atom that is pushed
 TRIED = 5

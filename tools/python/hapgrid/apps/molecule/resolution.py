@@ -5,18 +5,14 @@ The coarse grid also tells what a finer one costs on this machine. Conversions a
 each goes a shorter way, in fewer substeps; measured for propanols from 1.1 to 0.3 angstrom: h^-2.3 and h^-2.4.
 """
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from hapgrid.apps.common.files import Failed
 
-if TYPE_CHECKING:
-    from .definition import Definition
-    from .steps import Start
+from .definition import Definition
+from .start import Start
 
 # In 99 of 100 places the shape is off by WANTED at most, as far as verify can tell the spacing for that. This is about places
 # in one branch: where branches end, play asks the model itself beside the grid.

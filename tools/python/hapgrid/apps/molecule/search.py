@@ -1,11 +1,9 @@
 """The steps from a molecule to the paths around its conformation. Each is kept, so that a run that was stopped goes on."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from hapgrid.apps.common.arrays import Array, Shapes
@@ -16,10 +14,8 @@ from . import geometry, optimise, path, rotors, stereo, torsions
 from .holding import Hold
 from .molecule import conformers
 from .results import SAME_SHAPE, Dropped, Ends, Path, Point, Result, plain, restored
+from .start import Start
 from .xtb import BOHR, HARTREE, XtbError
-
-if TYPE_CHECKING:
-    from .steps import Start
 
 SAME_ENERGY = 0.02  # kJ/mol
 CONFORMERS = 4  # of the lowest by the force field, which xtb relaxes
@@ -58,7 +54,7 @@ class Search:
     def say(self, text: str) -> None:
         self.start.folder.say("  " + text)
 
-    def each(self, what: str, method: Callable[[Search, Any], Any], values: Iterable[Any],
+    def each(self, what: str, method: Callable[["Search", Any], Any], values: Iterable[Any],
              kind: type | None = None) -> Iterator[tuple[Any, Any]]:
         """(value, method(self, value) or a Dropped) in the order of the values, computed by several processes. kind: of the
         results, where they are kept for these values and this conformation."""

@@ -4,11 +4,9 @@ What one process finds is kept as a file (search.Search); the results are taken 
 not depend on the number of processes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from hapgrid.apps.common.arrays import Array
@@ -18,10 +16,8 @@ from .holding import Hold
 from .molecule import listed
 from .results import Dropped, Path, Point, Result
 from .search import Search
+from .start import Start
 from .xtb import BOHR
-
-if TYPE_CHECKING:
-    from .steps import Start
 
 Stationary: TypeAlias = tuple[str, float, Array]  # kind, energy and shape
 RESTARTS = 4

@@ -1,13 +1,11 @@
 """The command line of `hapgrid table`."""
 
-from __future__ import annotations
-
 import argparse
 import math
 from argparse import Namespace
 from collections.abc import Sequence
 
-from hapgrid.apps.common.cli import EXIT_CODES, Parser, formatter, guarded, number
+from hapgrid.apps.common.cli import EXIT_CODES, Parser, formatter, guarded, number, three
 
 ABOUT = """\
 Makes a verified grid of a table of energies, with pictures, so that a hand can
@@ -49,16 +47,6 @@ def unit(text: str) -> str:
     return text
 
 
-def three(text: str) -> list[float]:
-    try:
-        values = [float(word) for word in text.split(",")]
-    except ValueError:
-        values = []
-    if len(values) != 3 or not all(abs(v) < 1e30 for v in values):
-        raise argparse.ArgumentTypeError("must be three numbers with commas between")
-    return values
-
-
 def parser() -> Parser:
     p = Parser(prog="hapgrid table", description=ABOUT, epilog=AFTERWARDS, formatter_class=formatter,
                allow_abbrev=False, usage="hapgrid table FILE -o DIR [OPTION...]")
@@ -73,8 +61,8 @@ def parser() -> Parser:
     p.add_argument("--spacing", type=number(1e-9, 1e9), metavar="H",
                    help="spacing of the grid in the table's unit of length (default: the smallest of the table)")
     p.add_argument("--array", metavar="NAME", help="array of a .vti (default: its scalars) or .npz; number of an orbital of a .cube")
-    p.add_argument("--origin", type=three, metavar="X,Y,Z", help="place of the first value of a .npy or .npz")
-    p.add_argument("--steps", type=three, metavar="X,Y,Z", help="steps between the values of a .npy or .npz along the axes")
+    p.add_argument("--origin", type=three(-1e30, 1e30), metavar="X,Y,Z", help="place of the first value of a .npy or .npz")
+    p.add_argument("--steps", type=three(-1e30, 1e30), metavar="X,Y,Z", help="steps between the values of a .npy or .npz along the axes")
     p.add_argument("--unit", type=unit, metavar="UNIT",
                    help="unit of the energy: values in kcal/mol (.map) or hartree (a .cube whose title says so) are converted "
                    "to it, others are taken to be in it. FROM:TO converts: kT/e:kJ/mol, with the charge as --factor")

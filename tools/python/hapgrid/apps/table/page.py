@@ -1,7 +1,5 @@
 """A way through the table, pictures, and the page that sums up."""
 
-from __future__ import annotations
-
 import html
 import itertools
 import json
@@ -10,7 +8,7 @@ import urllib.parse
 from collections.abc import Sequence
 
 import numpy as np
-from hapgrid.apps.common import plots
+from hapgrid import style
 from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.work import Work
 
@@ -95,7 +93,6 @@ def path_text(ends: Sequence[Array], unit: str, ticks: int) -> str:
 
 def slices(work: Work, values: Values) -> str:
     """slices.png: the three planes of the table through its lowest point."""
-    style = plots.style()
     drawn = style.figure(8.2, 3)
     at = values.lowest()
     steps = np.linalg.norm(values.axes, axis=1)

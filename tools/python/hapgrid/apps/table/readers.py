@@ -1,8 +1,7 @@
 """Tables of energies in the formats of other programs. Each reader gives a Table, and refuses with one line
 what does not fit the file's own header."""
 
-from __future__ import annotations
-
+import lzma
 import math
 import os
 import re
@@ -82,14 +81,18 @@ def _text(data: bytes) -> str:
 
 
 def inflated(data: bytes, wbits: int, most: int = MOST_BYTES) -> bytes:
+    return unpacked(zlib.decompressobj(wbits), data, most)
+
+
+def unpacked(unpacker: Any, data: bytes, most: int) -> bytes:
+    """What an unpacker of zlib's or lzma's makes of data."""
     try:
-        unpacker = zlib.decompressobj(wbits)
         out = unpacker.decompress(data, most)
-        if unpacker.unconsumed_tail or not unpacker.eof:
-            raise Failed("its compressed data are cut off or too long")
-        return out
-    except zlib.error:
+    except (zlib.error, lzma.LZMAError):
         raise Failed("its compressed data are damaged") from None
+    if not unpacker.eof:
+        raise Failed("its compressed data are cut off or too long")
+    return out
 
 
 def _checked(table: Table) -> Table:
@@ -118,7 +121,7 @@ def _numbers(text: str, count: int, what: str = "values") -> Array:
     try:
         return np.array([_fortran(word) for word in words], dtype=float)
     except ValueError:
-        wrong = next(w for w in words if not _is_number(w))
+        wrong = next(w for w in words if not is_number(w))
         raise Failed(f"'{wrong[:20]}' among the {what} is no number") from None
 
 
@@ -127,7 +130,7 @@ def _fortran(word: str) -> str:
     return re.sub("(?<=[0-9.])(?:[dDqQ](?=[+-]?[0-9])|(?=[+-][0-9]{3}$))", "e", word)
 
 
-def _is_number(word: str) -> bool:
+def is_number(word: str) -> bool:
     try:
         float(_fortran(word))
         return True

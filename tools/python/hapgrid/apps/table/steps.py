@@ -1,7 +1,5 @@
 """The steps of a table from its file to the page."""
 
-from __future__ import annotations
-
 import math
 from argparse import Namespace
 from collections.abc import Iterable

@@ -1,7 +1,5 @@
 """Densities of crystallography and electron microscopy (.ccp4, .mrc, and .map of theirs), and arrays of NumPy."""
 
-from __future__ import annotations
-
 import io
 from typing import Any
 

@@ -1,7 +1,5 @@
 """VTK image data: .vti."""
 
-from __future__ import annotations
-
 import base64
 import lzma
 import re
@@ -13,7 +11,7 @@ import numpy as np
 from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import Failed
 
-from .readers import Table, _count, _numbers, inflated
+from .readers import Table, _count, _numbers, inflated, unpacked
 
 _TYPES = {"Int8": "i1", "UInt8": "u1", "Int16": "i2", "UInt16": "u2", "Int32": "i4", "UInt32": "u4", "Int64": "i8",
           "UInt64": "u8", "Float32": "f4", "Float64": "f8"}
@@ -158,17 +156,6 @@ def _blocks(stream: _Raw, head: np.dtype[Any], most: int, unpack: Callable[[byte
     return b"".join(out)
 
 
-def _unpack_lzma(data: bytes, most: int) -> bytes:
-    try:
-        unpacker = lzma.LZMADecompressor(memlimit=1 << 28)
-        out = unpacker.decompress(data, most)
-    except lzma.LZMAError:
-        raise Failed("its compressed data are damaged") from None
-    if not unpacker.eof:
-        raise Failed("its compressed data are cut off or too long")
-    return out
-
-
 def _unpack_lz4(data: bytes, most: int) -> bytes:
     """A block of LZ4: literals, and copies of what came before."""
     out, at = bytearray(), 0
@@ -205,4 +192,5 @@ def _unpack_lz4(data: bytes, most: int) -> bytes:
 
 UNPACK: dict[str, Callable[[bytes, int], bytes]] = {
           "vtkZLibDataCompressor": lambda data, most: inflated(data, 15, most),
-          "vtkLZMADataCompressor": _unpack_lzma, "vtkLZ4DataCompressor": _unpack_lz4}
+          "vtkLZMADataCompressor": lambda data, most: unpacked(lzma.LZMADecompressor(memlimit=1 << 28), data, most),
+          "vtkLZ4DataCompressor": _unpack_lz4}
