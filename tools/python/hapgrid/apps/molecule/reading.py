@@ -121,7 +121,8 @@ def _refuse_no_coordinates(given: Input, mol: Chem.Mol) -> None:
         raise BadInput(f"{what}: atom {numbers.index(0) + 1} is of no known element: correct its symbol")
     far = np.abs(x).max(axis=1, initial=0)
     if far.max(initial=0) > FARTHEST:
-        raise BadInput(f"{what}: atom {far.argmax() + 1} is {far.max():.3g} angstrom from the origin: these are no coordinates of a molecule")
+        raise BadInput(f"{what}: atom {far.argmax() + 1} is {far.max():.3g} angstrom from the origin: these are no coordinates "
+                       "of a molecule")
     if given.kind != "smi" and len(x) > 1 and (x == 0).all() and (given.kind in ("xyz", "pdb") or mol.GetNumBonds() == 0):
         raise BadInput(f"{what}: no coordinates and no bonds: give a file that has them, or --smiles")
     if given.kind == "xyz" and is_flat(x) and (len(Chem.GetMolFrags(mol)) > 1 or mol.HasSubstructMatch(BULKY)):
