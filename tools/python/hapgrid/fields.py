@@ -1,4 +1,6 @@
 """The picture of a force field in a plane of a grid: hapgrid.plot.field()."""
+from __future__ import annotations
+
 import io
 import os
 import subprocess

@@ -1,4 +1,6 @@
 """hapgrid's files as arrays of NumPy, and a grid as an image for ParaView and VTK."""
+from __future__ import annotations
+
 import io
 import json
 import os

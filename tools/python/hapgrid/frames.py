@@ -3,6 +3,8 @@
 Frames are messages of Cap'n Proto in standard framing (capnproto.org/encoding.html). Where each field lies is what
 `capnp compile -ocapnp schemas/frame.capnp` prints.
 """
+from __future__ import annotations
+
 from typing import Any, TypeAlias
 
 Struct: TypeAlias = tuple[int, int, int, int]  # segment, first byte, bytes of data and number of pointers
@@ -55,7 +57,7 @@ def read_spheres(path: str, data: bytes) -> Any:
         raise ValueError(f"{path}: damaged frames, in the scene") from None
 
 
-def _frame(message: "_Message", at: Struct) -> dict[str, Any]:
+def _frame(message: _Message, at: Struct) -> dict[str, Any]:
     import numpy
 
     def vector(pointer: int) -> Any:
@@ -81,7 +83,7 @@ class _Message:
         self.segments, self.end = segments, end
 
     @classmethod
-    def at(cls, data: bytes, at: int) -> "_Message | None":
+    def at(cls, data: bytes, at: int) -> _Message | None:
         """The message that begins at a byte of `data`; None where no whole one does."""
         count = int.from_bytes(data[at:at + 4], "little") + 1
         if count > MOST_SEGMENTS:

@@ -9,6 +9,8 @@
 
 Files are given by name, several as a list. Errors are ValueError and OSError with one line.
 """
+from __future__ import annotations
+
 import json
 import os
 import subprocess

@@ -1,4 +1,6 @@
 """What can be drawn of a play: columns of logs, sessions and files of frames by name, and what each is called."""
+from __future__ import annotations
+
 import json
 import os
 import subprocess

@@ -14,6 +14,8 @@ decide. The noise is measured: what the slopes do not explain of a fall becomes 
 The directions are those of L-BFGS (Nocedal and Wright, Numerical Optimization, 2006, algorithm 7.4), where they lead
 downhill; far from a minimum they stay near the gradient, which leads to the minimum of the basin.
 """
+from __future__ import annotations
+
 import math
 from collections.abc import Callable, Sequence
 from operator import mul
@@ -77,7 +79,7 @@ def relax(energy_and_gradient: Callable[[Any], tuple[float, Any]] | Any, s: Any 
 class _Trial:
     """A place at `part` of the way p, seen from where the way begins."""
 
-    def __init__(self, descent: "_Descent", p: Sequence[float], part: float) -> None:
+    def __init__(self, descent: _Descent, p: Sequence[float], part: float) -> None:
         self.part, self.reach = part, part * _longest(p)
         self.place = [a + part * b for a, b in zip(descent.place, p)]
         self.energy, self.gradient = descent.evaluate(self.place)

@@ -1,4 +1,6 @@
 """search(): the filters seed and expand, with their progress where a notebook or a terminal can show it."""
+from __future__ import annotations
+
 import os
 import re
 import subprocess

@@ -1,4 +1,6 @@
 """serve(): a model in Python answers hapgrid's questions (libcore/model/PROTOCOL.md)."""
+from __future__ import annotations
+
 import inspect
 import json
 import math

@@ -4,6 +4,8 @@ Lines have a contrast of at least 3 on white, texts of 4.5, and the colours diff
 Ito, Color Universal Design, 2008, darkened). The same data give the same bytes: files hold no date, and SVGs no random
 names. Letters of an SVG and of a PDF are text.
 """
+from __future__ import annotations
+
 import contextlib
 import io
 import logging

@@ -1,4 +1,6 @@
 """hapgrid plot: pictures of grids and plays, by hapgrid.plot of the Python module."""
+from __future__ import annotations
+
 import argparse
 import os
 import signal

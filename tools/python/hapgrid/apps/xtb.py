@@ -3,6 +3,8 @@
 Positions are flat: 3 numbers for each atom. Lengths are in bohr and energies in hartree.
 hapgrid.apps.molecule and the model of examples/xtb use it.
 """
+from __future__ import annotations
+
 import ctypes
 import os
 import tempfile

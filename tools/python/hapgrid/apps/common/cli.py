@@ -1,5 +1,7 @@
 """The command line of a command that makes a grid."""
 
+from __future__ import annotations
+
 import argparse
 import os
 import re

@@ -1,5 +1,7 @@
 """Files that are whole, and names that are safe."""
 
+from __future__ import annotations
+
 import hashlib
 import os
 import re

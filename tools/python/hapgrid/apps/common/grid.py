@@ -1,5 +1,7 @@
 """Computing and verifying a grid in the folder of a work.Work."""
 
+from __future__ import annotations
+
 import json
 import resource
 import time

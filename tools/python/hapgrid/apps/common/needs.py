@@ -1,5 +1,7 @@
 """What a command needs beside hapgrid. It is looked for before anything begins: a run can take hours."""
 
+from __future__ import annotations
+
 import ctypes
 import importlib.util
 import os

@@ -1,5 +1,7 @@
 """Alternate locations of the atoms in a PDB file."""
 
+from __future__ import annotations
+
 import re
 from collections.abc import Callable, Sequence
 

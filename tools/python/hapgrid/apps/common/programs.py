@@ -1,5 +1,7 @@
 """Starting programs, and ending them: none of them outlives the command."""
 
+from __future__ import annotations
+
 import ctypes
 import errno
 import multiprocessing.context

@@ -12,6 +12,8 @@ Where the kernel lacks Landlock the lists remain, which then refuse to open any 
 what its user can. A container or a user namespace would do as much, but many machines allow neither.
 """
 
+from __future__ import annotations
+
 import ctypes
 import errno
 import functools

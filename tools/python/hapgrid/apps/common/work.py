@@ -7,6 +7,8 @@ The folder can be renamed and copied: nothing in it has its name, and it may com
 no file in it can name one outside of it, and what is kept in .work counts only if it has the right form.
 """
 
+from __future__ import annotations
+
 import fcntl
 import functools
 import json

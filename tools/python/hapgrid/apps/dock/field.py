@@ -1,5 +1,7 @@
 """The maps that a user has already, by their .fld file."""
 
+from __future__ import annotations
+
 import os
 
 import numpy as np

@@ -1,5 +1,7 @@
 """What Open Babel and AutoGrid, both of Debian, make of a host and a ligand."""
 
+from __future__ import annotations
+
 import os
 import tempfile
 from typing import TypeAlias

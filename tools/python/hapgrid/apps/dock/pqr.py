@@ -1,6 +1,8 @@
 """A protein or nucleic acid as PDB2PQR writes it, .pqr, with AutoDock's types of atoms. Open Babel gives the
 charged groups of proteins no charge, so that it cannot make their PDBQT."""
 
+from __future__ import annotations
+
 import re
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Hosts and ligands as other programs write them: what is left out, what is refused, and what their user must know."""
 
+from __future__ import annotations
+
 import re
 from collections.abc import Callable
 

@@ -1,5 +1,7 @@
 """The steps of a host and a ligand from their files to the page."""
 
+from __future__ import annotations
+
 import json
 import math
 import os

@@ -5,6 +5,8 @@ paths that have an end in common are a tree: two of them make one path through t
 keeps the molecule on one of them at a time.
 """
 
+from __future__ import annotations
+
 import os
 import re
 from collections.abc import Callable, Sequence

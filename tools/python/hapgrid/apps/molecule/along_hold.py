@@ -1,5 +1,7 @@
 """What the hand holds of a molecule that has paths of its own (--path), and what of it stays."""
 
+from __future__ import annotations
+
 import itertools
 from collections.abc import Sequence
 

@@ -5,6 +5,8 @@ builder is not used: it gives up or lets atoms overlap for 16 of 62 everyday mol
 chains.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 
 import numpy as np

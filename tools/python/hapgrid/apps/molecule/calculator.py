@@ -5,6 +5,8 @@ compute with 32 bits: a relative rounding of 1e-7 of an energy of 1e4 hartree is
 measured once, and what the searches compare with it (optimise.py) respects it.
 """
 
+from __future__ import annotations
+
 import ast
 import importlib
 import importlib.util

@@ -1,5 +1,7 @@
 """The command line of `hapgrid molecule`."""
 
+from __future__ import annotations
+
 from argparse import Namespace
 from collections.abc import Sequence
 

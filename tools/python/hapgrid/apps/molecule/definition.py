@@ -1,5 +1,7 @@
 """The box of a grid and its MODEL.toml."""
 
+from __future__ import annotations
+
 import math
 import tomllib
 from collections.abc import Sequence
@@ -56,7 +58,7 @@ class Definition:
 
     @classmethod
     def around(cls, molecule: Molecule, result: Result, paths: Sequence[str], basins: bool = False, spacing: float = 0.0,
-               room: Sequence[float] = (), corners: tuple[Array, Array] | None = None) -> "Definition":
+               room: Sequence[float] = (), corners: tuple[Array, Array] | None = None) -> Definition:
         """The box around all shapes of the paths that are taken, with the probe around them, and the room in which a push
         begins. spacing: of the grid, where it is known already; room: how much more each side needs, low x, y, z and high x,
         y, z, since the molecule yields when it is pushed (grids.py); corners: of the box, where it is another one."""

@@ -7,6 +7,8 @@ legs, each from a minimum over a saddle to the next. Rings flip along such paths
 Alternative: a nudged elastic band. Its springs need hundreds of steps; here each shape takes quasi-Newton steps of its own.
 """
 
+from __future__ import annotations
+
 from dataclasses import replace
 
 import numpy as np

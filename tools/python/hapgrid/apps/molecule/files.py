@@ -1,5 +1,7 @@
 """The files of structures: XYZ files and the report, written and read."""
 
+from __future__ import annotations
+
 import re
 from collections.abc import Sequence
 

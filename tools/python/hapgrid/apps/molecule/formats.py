@@ -4,6 +4,8 @@ RDKit reads MDL's formats (SDF, MOL), MOL2 and SMILES, and xyz.py XYZ. Of a PDB 
 the text does not say is UNSPECIFIED, and an atom whose hydrogens may be missing can have implicit ones: valences.py finds both.
 """
 
+from __future__ import annotations
+
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field

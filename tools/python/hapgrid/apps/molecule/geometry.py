@@ -3,6 +3,8 @@
 Positions in bohr, arrays (atoms, 3); angles in radians.
 """
 
+from __future__ import annotations
+
 from collections.abc import Collection, Sequence
 from typing import Any
 

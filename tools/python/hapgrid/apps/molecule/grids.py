@@ -5,6 +5,8 @@ past is measured, not guessed. Where a grid has a record at a side of its box in
 probe holds it there, and what lies behind is cut off. The box is then made a cell wider on that side.
 """
 
+from __future__ import annotations
+
 import json
 import math
 import re
@@ -58,7 +60,7 @@ class Remedies:
         return max(self.sides) < MOST_ROOM
 
     @classmethod
-    def of(cls, stored: Any) -> "Remedies":
+    def of(cls, stored: Any) -> Remedies:
         """Those that asdict() gave, or none where `stored` is something else: it may come from a stranger."""
         try:
             one = cls({str(k): str(why) for k, why in stored["unwanted"].items()}, int(stored["softer"]),

@@ -8,6 +8,8 @@ Along the held atom's way the torsion's energy E has the curvature E''. A tie th
 atom over the top of a barrier, where it can be balanced; a softer one lets it snap over.
 """
 
+from __future__ import annotations
+
 import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace

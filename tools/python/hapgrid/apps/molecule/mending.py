@@ -4,6 +4,8 @@ Programs write frames that begin anew in the middle, restarts write some twice, 
 meaning is put right, and said; what has none is refused. Distances are root mean squares over the atoms after superposition.
 """
 
+from __future__ import annotations
+
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace

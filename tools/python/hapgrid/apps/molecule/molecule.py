@@ -1,5 +1,7 @@
 """A molecule, its force field, and sampling its conformers, with RDKit."""
 
+from __future__ import annotations
+
 import numpy as np
 from hapgrid.apps.common.files import Failed
 from rdkit import Chem, RDLogger

@@ -5,6 +5,8 @@ torsion, so steps are taken along the eigenvectors of a Hessian, never along the
 search for a saddle is the same, but it climbs along one eigenvector (Cerjan and Miller 1981).
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 
 import numpy as np

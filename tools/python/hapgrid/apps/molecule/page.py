@@ -1,5 +1,7 @@
 """The play along the way, and the page that sums up. Names and texts in it may come from anybody; none of them is trusted."""
 
+from __future__ import annotations
+
 import html
 import json
 import math

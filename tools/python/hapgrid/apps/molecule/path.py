@@ -4,6 +4,8 @@ floor of the valley. Alternative: the intrinsic reaction coordinate, the line of
 own, and its nodes have about the same energies: those of butane's paths differ by at most 0.9 kJ/mol.
 """
 
+from __future__ import annotations
+
 import itertools
 from collections.abc import Sequence
 from dataclasses import replace

@@ -6,6 +6,8 @@ with those that were taken before. Where two torsions are both behind a saddle, 
 shape is computed, a single point, by what gave the other energies.
 """
 
+from __future__ import annotations
+
 import json
 from collections.abc import Sequence
 from typing import Any

@@ -5,6 +5,8 @@ a path goes on behind its barriers one that leaves the molecule in another minim
 farthest.
 """
 
+from __future__ import annotations
+
 import json
 from collections.abc import Sequence
 from typing import TypeAlias

@@ -1,6 +1,8 @@
 """A molecule from a file or from SMILES, ready for quantum chemistry: three-dimensional, with its hydrogens, one piece. What
 cannot be felt is refused here, in one line that says what to do."""
 
+from __future__ import annotations
+
 import os
 from collections import Counter
 from collections.abc import Sequence

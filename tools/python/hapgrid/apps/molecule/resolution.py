@@ -5,6 +5,8 @@ The coarse grid also tells what a finer one costs on this machine. Conversions a
 each goes a shorter way, in fewer substeps; measured for propanols from 1.1 to 0.3 angstrom: h^-2.3 and h^-2.4.
 """
 
+from __future__ import annotations
+
 import json
 import math
 from dataclasses import replace

@@ -4,6 +4,8 @@ Positions are in bohr, energies in hartree, wave numbers in cm^-1, negative wher
 JSON in a folder that may come from somebody else: only what has the form of its type counts.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Any

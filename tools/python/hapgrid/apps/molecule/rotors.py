@@ -3,6 +3,8 @@ phi, psi, omega and chi with the number of the residue. omega0 is the bond of a 
 residue's nitrogen; in a peptide of one residue phi, psi and chi have no number.
 """
 
+from __future__ import annotations
+
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any

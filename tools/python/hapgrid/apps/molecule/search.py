@@ -1,5 +1,7 @@
 """The steps from a molecule to the paths around its conformation. Each is kept, so that a run that was stopped goes on."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -54,7 +56,7 @@ class Search:
     def say(self, text: str) -> None:
         self.start.folder.say("  " + text)
 
-    def each(self, what: str, method: Callable[["Search", Any], Any], values: Iterable[Any],
+    def each(self, what: str, method: Callable[[Search, Any], Any], values: Iterable[Any],
              kind: type | None = None) -> Iterator[tuple[Any, Any]]:
         """(value, method(self, value) or a Dropped) in the order of the values, computed by several processes. kind: of the
         results, where they are kept for these values and this conformation."""

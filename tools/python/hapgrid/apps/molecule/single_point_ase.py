@@ -11,6 +11,8 @@ mopac.
   hapgrid molecule --smiles CC -o ethane \
     --single-points 'single-point-ase psi4 method=mp2 basis=cc-pvtz'
 """
+from __future__ import annotations
+
 import ast
 import os
 import re

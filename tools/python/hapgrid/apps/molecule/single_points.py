@@ -4,6 +4,8 @@ The command is run with the name of an XYZ file after its own words, in a folder
 charge= and unpaired=. The last line that the command prints is the energy in hartree. Structures stay those of xtb.
 """
 
+from __future__ import annotations
+
 import os
 import re
 import shlex

@@ -1,5 +1,7 @@
 """The molecule that is felt, and what the steps have in common."""
 
+from __future__ import annotations
+
 from argparse import Namespace
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,6 +1,8 @@
 """The steps from a molecule's file to the page. Each is a function from the results of those before it to its own;
 what it computes is kept as files, which the user may change, so its result is what the files say."""
 
+from __future__ import annotations
+
 import itertools
 import os
 import time

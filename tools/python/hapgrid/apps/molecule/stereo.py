@@ -6,6 +6,8 @@ or between a ring and the nitrogen of a tertiary amide, of which three of the fo
 do not pass each other.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -18,6 +18,8 @@ Where paths go on behind their saddles nothing of this holds: m must be 0, so th
 are, and anchors that yield let a push tip over a barrier gently. There the defaults are taken.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -41,11 +43,11 @@ class Stiffness:
     rotation: float = 100.0  # kJ/(mol rad²)
     morph: float = 0.0  # kJ/mol
 
-    def softer(self, times: float) -> "Stiffness":
+    def softer(self, times: float) -> Stiffness:
         return Stiffness(max(self.shift / times, Stiffness.shift), max(self.rotation / times, Stiffness.rotation),
                          self.morph)
 
-    def rounded(self) -> "Stiffness":
+    def rounded(self) -> Stiffness:
         """What a definition says. The last digits of a Hessian depend on the machine."""
         return Stiffness(*(float(f"{v:.2g}") for v in (self.shift, self.rotation, self.morph)))
 

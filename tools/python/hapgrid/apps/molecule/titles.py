@@ -8,6 +8,8 @@
 A unit that follows the number, or --unit, says otherwise.
 """
 
+from __future__ import annotations
+
 import re
 
 from .xtb import HARTREE

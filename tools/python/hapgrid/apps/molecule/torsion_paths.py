@@ -8,6 +8,8 @@ reached on both sides before its halves have turned so far against each other th
 direction is driven, too.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import replace
 

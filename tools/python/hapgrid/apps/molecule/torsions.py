@@ -4,6 +4,8 @@ A scan only gives a guess. Other modules refine it to a saddle and check its fre
 torsions lead to no saddle from a given minimum; their scans only climb.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass

@@ -5,6 +5,8 @@ can have, so that the charges add up to the molecule's, the cheapest is taken: a
 where rules that go from atom to atom miss nitrile oxides or the charge of an enolate.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Collection, Iterable
 from typing import Any
 

@@ -5,6 +5,8 @@ kJ/mol, or else the difference between its `E=` (hartree; xtb writes `energy:`) 
 Where a title gives both ways, they must agree to DIFFER: whoever changes one of them easily forgets the other.
 """
 
+from __future__ import annotations
+
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

@@ -1,5 +1,7 @@
 """The command line of `hapgrid table`."""
 
+from __future__ import annotations
+
 import argparse
 import math
 from argparse import Namespace

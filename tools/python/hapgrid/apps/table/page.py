@@ -1,5 +1,7 @@
 """A way through the table, pictures, and the page that sums up."""
 
+from __future__ import annotations
+
 import html
 import itertools
 import json

@@ -1,6 +1,8 @@
 """Tables of energies in the formats of other programs. Each reader gives a Table, and refuses with one line
 what does not fit the file's own header."""
 
+from __future__ import annotations
+
 import lzma
 import math
 import os

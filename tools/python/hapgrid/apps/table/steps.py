@@ -1,5 +1,7 @@
 """The steps of a table from its file to the page."""
 
+from __future__ import annotations
+
 import math
 from argparse import Namespace
 from collections.abc import Iterable

@@ -1,5 +1,7 @@
 """Densities of crystallography and electron microscopy (.ccp4, .mrc, and .map of theirs), and arrays of NumPy."""
 
+from __future__ import annotations
+
 import io
 from typing import Any
 

@@ -1,5 +1,7 @@
 """VTK image data: .vti."""
 
+from __future__ import annotations
+
 import base64
 import lzma
 import re

@@ -1,5 +1,7 @@
 """A folder with the one grid that follows from a definition, of `hapgrid table` or `hapgrid dock`."""
 
+from __future__ import annotations
+
 import os
 import sys
 import tomllib
@@ -15,8 +17,8 @@ from hapgrid.apps.common.work import Work as Folder
 VERIFY_SHARE = 0.6  # about, of what the search took, when that took long
 
 
-def run_steps(command: str, o: Namespace, given: Sequence[str], define: Callable[["Work", str], Any],
-              page: Callable[["Work", str], Any]) -> str:
+def run_steps(command: str, o: Namespace, given: Sequence[str], define: Callable[[Work, str], Any],
+              page: Callable[[Work, str], Any]) -> str:
     """Everything; the line for standard output. o: the options; given: the files that the grid is of, whose names the folder
     keeps; define(work, name) makes the definition, and page(work, name) the page."""
     work, names = Work(command, o.output, o.quiet, given), [os.path.basename(one) for one in given]
