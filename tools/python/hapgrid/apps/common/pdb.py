@@ -1,7 +1,5 @@
 """Alternate locations of the atoms in a PDB file."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Sequence
 

@@ -1,6 +1,6 @@
 """The modules of `hapgrid molecule`; its --help says what it is for.
 
-The command: cli, steps (one by one, from the molecule's file to the page), grids (the grid), start (what all of them have in common).
+The command: cli, steps (one by one, from the molecule's file to the page), grids (the grid).
 
 A molecule is read: reading, with formats, valences (what no file says of bonds, charges, hydrogens), building (shapes),
 stereo (which isomer), molecule (what is read, and its conformers), elements.

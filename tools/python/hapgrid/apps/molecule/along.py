@@ -11,7 +11,7 @@ import os
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from hapgrid.apps.common import sandbox
@@ -23,10 +23,11 @@ from . import files, formats, geometry, mending, titles, xyz
 from .elements import MASSES, SYMBOLS
 from .mending import Shape, apart
 from .molecule import MOST_BYTES, BadInput, Molecule, signed
-from .path import aligned_chain
 from .results import Path, Result
-from .start import Start
 from .xtb import BOHR, HARTREE
+
+if TYPE_CHECKING:
+    from .steps import Start
 
 DENT = 1.0  # kJ/mol: a barrier is higher, and a minimum deeper. The model has the same limit.
 MOST_RANGE = 1000.0  # kJ/mol between frames: else the unit is another one
@@ -269,7 +270,10 @@ def _even(row: Row) -> Row:
     steps = np.array([apart(a, b) for (a, _), (b, _) in zip(row, row[1:])])
     if steps.max() <= UNEVEN * max(steps.min(), EVEN_STEP) and len(row) <= MOST_NODES:
         return row
-    chain = aligned_chain([x for x, _ in row], np.ones(len(row[0][0])))
+    even = np.ones(len(row[0][0]))
+    chain = [row[0][0]]
+    for x, _ in row[1:]:
+        chain.append(geometry.aligned(x, chain[-1], even))
     along = np.concatenate([[0], np.cumsum(np.maximum(steps, EVEN_STEP))])
     energies = np.array([e for _, e in row])
     shape, height = make_interp_spline(along, chain, k=min(3, len(row) - 1)), PchipInterpolator(along, energies)

@@ -12,7 +12,7 @@ import math
 import re
 from collections.abc import Sequence
 from dataclasses import asdict, astuple, dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from hapgrid.apps.common import grid
@@ -23,8 +23,10 @@ from hapgrid.apps.common.work import Work, about, duration
 from . import along_hold, holding, path_selection, resolution, stiffness, xyz
 from .definition import MAX_LEVELS, PENALTY, Definition, paths_of
 from .results import Result
-from .start import Start
 from .xtb import BOHR, HARTREE
+
+if TYPE_CHECKING:
+    from .steps import Start
 
 VERIFY_SHARE = 0.15  # of the time that the grid took, about
 MOST_ROOM = 4.0  # angstrom that a side of the box is moved outwards, before no more room is looked for

@@ -13,6 +13,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from hapgrid.apps.common.arrays import Array
@@ -25,9 +26,11 @@ from . import geometry, rotors
 from .elements import MASSES, SYMBOLS
 from .molecule import Molecule, listed
 from .results import Path, Result
-from .start import Start
 from .torsions import Torsion
 from .xtb import BOHR, HARTREE
+
+if TYPE_CHECKING:
+    from .steps import Start
 
 STIFF, SOFT = 2.0, 0.5  # times the largest -E'': the tie's stiffness
 LEAST_TIE, MOST_TIE = 20.0, 4000.0  # kJ/(mol Å²); a softer one is a rubber band, where barriers are low

@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from hapgrid.apps.common.arrays import Array
 from scipy.optimize import linear_sum_assignment
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial.distance import cdist
 
 from . import geometry
@@ -123,10 +122,15 @@ def _alike(shapes: list[Shape], what: str, say: Callable[[str], object]) -> list
 
 def _joined(near: Array, first: int | None = None) -> set[int]:
     """What is connected with one, or the largest part."""
-    part_of = connected_components(near)[1]
-    parts = [set(np.flatnonzero(part_of == n).tolist()) for n in sorted(set(part_of))]
-    if first is not None:
-        return parts[part_of[first]]
+    left, parts = set(range(len(near))), []
+    while left:
+        part = [first if first in left else min(left)]
+        for at in part:
+            part += [int(k) for k in np.flatnonzero(near[at]) if k not in part]
+        left -= set(part)
+        parts.append(set(part))
+        if first is not None:
+            break
     # The numbers of the first frame are what people know, unless it is one of few.
     return max(parts, key=lambda part: (0 in part and 4 * len(part) >= len(near), len(part), -min(part)))
 

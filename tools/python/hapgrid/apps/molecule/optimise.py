@@ -8,6 +8,7 @@ search for a saddle is the same, but it climbs along one eigenvector (Cerjan and
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
 from hapgrid.apps.common.arrays import Array
@@ -15,7 +16,11 @@ from scipy.optimize import brentq
 
 from . import geometry
 from .results import Point
-from .xtb import WAVE_NUMBER, Potential
+from .xtb import WAVE_NUMBER
+
+
+if TYPE_CHECKING:
+    from .xtb import Potential
 
 FINE = 3e-6  # hartree/bohr: the largest component of the gradient at a minimum or a saddle
 # A bond beside several alkynes has no barrier: the differences of which a Hessian is made do not tell its wave number, cm^-1,

@@ -8,7 +8,7 @@ import math
 import re
 import shlex
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from hapgrid.apps.common.arrays import Neighbours
@@ -20,10 +20,12 @@ from .definition import paths_of
 from .elements import COLOURS, SYMBOLS
 from .molecule import placed, signed
 from .probe_lines import read_log
-from .start import Start
-from .torsions import Torsion
 from .xtb import BOHR, HARTREE
 from .xyz import Frame, frames
+
+if TYPE_CHECKING:
+    from .steps import Start
+    from .torsions import Torsion
 
 ALL_BONDS = 4 | 8  # of RDKit: bonds between all atoms, each once
 METHODS = {"gfn2": "GFN2-xTB", "gfnff": "GFN-FF"}
@@ -39,7 +41,7 @@ SPINS = ("singlet", "doublet", "triplet", "quartet", "quintet")
 
 
 def write(start: Start, turned: Sequence[Torsion], ways: Sequence[str]) -> list[str]:
-    """Writes the page and returns the names of its files. turned: the torsions that
+    """Writes the page and returns the names of its files. start: steps.Start; turned: the torsions that
     the grid's paths turn; ways: files of the probe's ways, the best first."""
     folder, run = start.folder, start.folder.run
     run("play", f"{folder.name()}.grid", "--device", f"path:{ways[0]}", "--log", "played.log", "--frames", "played.frames",

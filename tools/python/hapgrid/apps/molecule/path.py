@@ -9,17 +9,20 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from hapgrid.apps.common.arrays import Array, Shapes
 from scipy.interpolate import CubicSpline, make_interp_spline
 
 from . import geometry, optimise
-from .geometry import Tree
 from .results import Ends, Point
-from .torsions import Torsion
-from .xtb import HARTREE, Potential
+from .xtb import HARTREE
+
+if TYPE_CHECKING:
+    from .geometry import Tree
+    from .torsions import Torsion
+    from .xtb import Potential
 
 Leg: TypeAlias = tuple[list[Array], list[float]]  # shapes and their energies
 FIRST_LEG = 10  # segments from the conformation to its first saddle; their length holds for all

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import remove
@@ -20,8 +20,10 @@ from . import files, xyz
 from .definition import Definition
 from .results import Result
 from .rotors import label
-from .start import Start
 from .xtb import BOHR, HARTREE
+
+if TYPE_CHECKING:
+    from .steps import Start
 
 ROTORS = ("path", "atoms", "barrier_kJ_mol", "taken", "why")  # the heads of rotors.tsv
 MISSED = 4.0  # kJ/mol: what the sum may miss

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from hapgrid.apps.common import files
@@ -22,8 +22,10 @@ from .elements import RADII
 from .holding import Hold
 from .results import Path, Result
 from .rotors import label
-from .start import Start
 from .xtb import BOHR
+
+if TYPE_CHECKING:
+    from .steps import Start
 
 Line: TypeAlias = tuple[Array, Array, int]  # start, end, and the atom that is pushed
 TRIED = 5

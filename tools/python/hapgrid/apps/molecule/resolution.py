@@ -10,11 +10,13 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from hapgrid.apps.common.files import Failed
 
-from .definition import Definition
-from .start import Start
+if TYPE_CHECKING:
+    from .definition import Definition
+    from .steps import Start
 
 # In 99 of 100 places the shape is off by WANTED at most, as far as verify can tell the spacing for that. This is about places
 # in one branch: where branches end, play asks the model itself beside the grid.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from hapgrid.apps.common.arrays import Array, Shapes
@@ -16,8 +16,10 @@ from . import geometry, optimise, path, rotors, stereo, torsions
 from .holding import Hold
 from .molecule import conformers
 from .results import SAME_SHAPE, Dropped, Ends, Path, Point, Result, plain, restored
-from .start import Start
 from .xtb import BOHR, HARTREE, XtbError
+
+if TYPE_CHECKING:
+    from .steps import Start
 
 SAME_ENERGY = 0.02  # kJ/mol
 CONFORMERS = 4  # of the lowest by the force field, which xtb relaxes

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from hapgrid.apps.common.arrays import Array
@@ -18,8 +18,10 @@ from .holding import Hold
 from .molecule import listed
 from .results import Dropped, Path, Point, Result
 from .search import Search
-from .start import Start
 from .xtb import BOHR
+
+if TYPE_CHECKING:
+    from .steps import Start
 
 Stationary: TypeAlias = tuple[str, float, Array]  # kind, energy and shape
 RESTARTS = 4
