@@ -43,7 +43,7 @@ std::string wrapped(const std::string& line) {
 
 /// "-o, --output FILE", "--terminal[=MODE]", or "GRID" for a positional.
 std::string option_name(const CLI::Option& option) {
-  const std::string value = option.get_type_name();
+  std::string value = option.get_type_name();
   if (option.get_positional()) return value;
   std::string name;
   for (const std::string& letter : option.get_snames()) name += "-" + letter + ", ";

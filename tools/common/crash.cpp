@@ -42,7 +42,8 @@ extern "C" void on_crash(int signal) {
   pid_t none = 0;
   const pid_t self = ::gettid();
   const bool is_first = first.compare_exchange_strong(none, self);
-  while (!is_first && none != self) ::pause();
+  if (!is_first && none != self)
+    for (;;) ::pause();
   const CurrentConversion& c = current_conversion();
   if (is_first && c.q >= 0)
     Line()

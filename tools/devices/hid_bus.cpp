@@ -186,7 +186,7 @@ std::string udev_help(const std::string& rule) {
 std::string narrow(const wchar_t* text) {
   std::string utf8;
   for (; text && *text && utf8.size() < kMaxText; ++text) {
-    const auto c = static_cast<std::uint32_t>(*text);
+    const std::uint32_t c = std::char_traits<wchar_t>::to_int_type(*text);
     if (c < 0x80) {
       utf8 += static_cast<char>(c);
     } else if (c < 0x800) {

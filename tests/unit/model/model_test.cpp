@@ -50,6 +50,7 @@ TEST_CASE("a plug-in in plain C works, and says what it cannot do") {
 // Open Babel breaks the heap when two threads read a molecule.
 TEST_CASE("a plug-in creates one model at a time, whatever the threads") {
   std::vector<std::future<std::unique_ptr<Model>>> models;
+  models.reserve(8);
   for (int i = 0; i < 8; ++i)
     models.push_back(std::async(std::launch::async, [] { return puppet({{"alone", true}}); }));
   for (auto& model : models) CHECK(model.get()->state_size() == 1);

@@ -9,6 +9,7 @@ TEST_CASE("force, energy, shape and equal do not allocate") {
   HybridEnergy energy(kEnkephalin.read(), {});
   Random random(20);
   std::vector<std::vector<double>> states;
+  states.reserve(100);
   for (int i = 0; i < 100; ++i) states.push_back(random.state(energy));
   std::vector<float> centres(3 * model->info().spheres.size());
   double total = 0;
