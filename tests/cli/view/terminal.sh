@@ -97,7 +97,7 @@ exec 4>&-
 type_line clear
 wait_line '^ready>$'
 before='ready>'
-start "view live --terminal=symbols & wait; echo exit \$?"
+start "env -u COLORTERM view live --terminal=symbols & wait; echo exit \$?"  # which newer tmux sets
 on capture-pane -epN >capture
 grep -q '[34]8;5;' capture || fail "no 256 colours"
 grep -q '38;2;' capture && fail "true colour, which nobody promised"
