@@ -64,7 +64,7 @@ rm zeros big pipe way
 
 # Unknown ones.
 bad '7a colour = 1' 'line 8: unknown key grid\.colour \(known: origin, spacing, counts\)'
-bad '2a type = 1' 'line 3: unknown key model\.type \(known: plugin, process, name, parameters, files\)'
+bad '2a type = 1' 'line 3: unknown key model\.type \(known: plugin, process, name, timeout, parameters, files\)'
 bad '10a levels = 1' 'line 11: unknown key search\.levels \(known: max_levels, store\)'
 bad '13a colour = 1' 'line 14: unknown key seeds\.colour \(known: points, states\)'
 bad '13a [grids]' 'line 14: unknown key grids \(known: model, grid, search, seeds, play\)'
