@@ -168,7 +168,7 @@ Grid GridBuilder::finish() {
   const std::uint64_t points = grid_.box().points();
   const bool has_one_level =
       std::all_of(level_.begin(), level_.end(), [](Level level) { return level == 0; });
-  if (!has_one_level || grid_.records() != points) {
+  if (!has_one_level || grid_.records() != points) {  // else a point has the record of its number
     reserve_large(grid_.first_, points + 1);
     for (RecordIndex r = 0; r < grid_.records(); ++r)
       while (grid_.first_.size() <= grid_.point_[r]) grid_.first_.push_back(r);

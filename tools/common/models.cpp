@@ -2,7 +2,6 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <limits>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"

@@ -6,13 +6,14 @@ set(wasm_folder ${CMAKE_CURRENT_BINARY_DIR}/page)
 file(MAKE_DIRECTORY ${wasm_folder})
 # An exception ends the player (alone.cpp). -Os: a page is sent to others, and a tick takes less than a microsecond. fmt
 # from its version 11 on wants cstdlib, which clang's library no longer includes by itself.
-set(wasm_flags --target=wasm32-wasi -std=c++20 -include cstdlib -Os -DNDEBUG -ffp-contract=off -fexceptions -fno-rtti -ffunction-sections
-  -fdata-sections -fvisibility=hidden -DXXH_INLINE_ALL -DXXH_NO_STREAM -I${PROJECT_SOURCE_DIR} -Wall -Wextra)
+set(wasm_flags --target=wasm32-wasi -std=c++20 -include cstdlib -Os -DNDEBUG -ffp-contract=off -fexceptions -fno-rtti
+  -ffunction-sections -fdata-sections -fvisibility=hidden -DXXH_INLINE_ALL -DXXH_NO_STREAM -I${PROJECT_SOURCE_DIR}
+  -Wall -Wextra)
 set(wasm_link --target=wasm32-wasi -mexec-model=reactor -Wl,--no-entry -Wl,--gc-sections -Wl,--strip-all
   -Wl,-z,stack-size=262144)
 if(HAPGRID_WASM_CXX AND NOT HAPGRID_WASM_LINKS)
   file(WRITE ${wasm_folder}/try.cpp "#include <fmt/core.h>\n#include <xxhash.h>\n#include <string>\nstd::string text;\n")
-  execute_process(COMMAND ${HAPGRID_WASM_CXX} -std=c++20 -include cstdlib -DXXH_INLINE_ALL -DXXH_NO_STREAM ${wasm_link} try.cpp -o try.wasm
+  execute_process(COMMAND ${HAPGRID_WASM_CXX} ${wasm_flags} ${wasm_link} try.cpp -o try.wasm
     WORKING_DIRECTORY ${wasm_folder} RESULT_VARIABLE failed OUTPUT_QUIET ERROR_QUIET)
   if(failed EQUAL 0)
     set(HAPGRID_WASM_LINKS ON CACHE INTERNAL "")

@@ -183,6 +183,7 @@ done <<TABLE
 2|rounds: --parts: '0' is not a whole number from 1 to 999999999 $help|my.toml --parts=0
 2|rounds: --parts: a launcher has its own number of parts $help|my.toml --parts 3 -- ./many
 2|rounds: --: no launcher is behind it $help|my.toml --
+2|rounds: --set model.timeout: the parts read it from MODEL.toml: change it there $help|my.toml --set model.timeout=3
 2|expand: --threads: .*2000.* $help|my.toml -j2000
 1|rounds: nonsense: there is no such command|my.toml -- nonsense
 1|rounds: nowhere: there is no such file|my.toml --depends nowhere
