@@ -7,7 +7,8 @@
 # The root gets what is committed here. Each step takes up where the one before it ended; by default all are done:
 #
 #   ball        the demonstration, and the page in which its grid is felt
-#   own         a model of one's own, in Python and in the languages that have a compiler
+#   own         a model of one's own in Python
+#   languages   and in the languages that have a compiler
 #   package     the Debian package is made; in a second root, which has no more than this one had, it is installed and works
 #   wheel       .ci/wheel makes the wheel, on Debian 12, and leaves it in dist/
 #   pip         in a second root, a user who is not root installs the wheel of dist/ with pip; it comes by itself after `wheel`
@@ -58,10 +59,10 @@ do_molecule() {
   apt-cache show python3-rdkit >/dev/null || return 77
   commands README.md 'Feel a molecule' | type_in
 }
-do_own() {
+do_own() { commands README.md 'Bring your own model' | type_in; }
+do_languages() {
   local lines language
   lines=$(commands README.md 'Bring your own model')
-  type_in <<<"$lines"
   for language in c c++ fortran; do
     sed "s/--lang python/--lang $language/; s/mymodel/my_${language/++/xx}/" <<<"$lines" | type_in
   done
@@ -189,7 +190,7 @@ esac
 
 suite=${1:?which suite?}
 shift
-(($#)) || set -- ball own package check molecule
+(($#)) || set -- ball own languages package check molecule
 source=$(cd "$(dirname "$0")/.." && pwd)
 work=$(mktemp -d)
 child=

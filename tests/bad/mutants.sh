@@ -1,7 +1,7 @@
-# Mutants of each kind of input, drawn anew in each run: HAPGRID_MUTANTS of them (2000), from HAPGRID_MUTANTS_SEED if it is set.
+# Mutants of each kind of input, drawn anew in each run: HAPGRID_MUTANTS of them (1000), from HAPGRID_MUTANTS_SEED if it is set.
 source "$(dirname "$0")/../cli/lib.sh"
-number=${HAPGRID_MUTANTS:-2000} seed=${HAPGRID_MUTANTS_SEED:-$(od -An -N4 -tu4 /dev/urandom | tr -d ' ')}
-if sanitized; then number=$((number / 80)) SANITIZED=1 && export SANITIZED; fi
+number=${HAPGRID_MUTANTS:-1000} seed=${HAPGRID_MUTANTS_SEED:-$(od -An -N4 -tu4 /dev/urandom | tr -d ' ')}
+if sanitized; then number=$((number / 40)) SANITIZED=1 && export SANITIZED; fi
 echo "HAPGRID_MUTANTS_SEED=$seed"
 
 sed 's/^counts = .*/counts = [6, 3, 2]/; s/^spacing = .*/spacing = 0.25/' "$ball" >small.toml
