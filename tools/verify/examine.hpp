@@ -12,7 +12,6 @@ namespace hapgrid {
 
 struct Examination {
   std::uint64_t recompute = 1000;  ///< records; ~0: all
-  std::uint64_t sample_seed = 1;
   std::uint64_t walks = 0;
   std::optional<double> accuracy;
   int threads = 1;

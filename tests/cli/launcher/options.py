@@ -55,8 +55,7 @@ FILTERS = {
         **OUTPUT, "--small": Option(), "--cost": Option("new.cost")}),
     "verify": ({"": "ball.grid"}, {
         **of_model("grid", **{"--recompute": "1", "--walks": "1"}), **OUTPUT, "--threads": Option("2"), "--format": Option("json"), "--verbose": Option(),
-        "--quiet": Option(), "--recompute": Option("none"), "--walks": Option("2"), "--accuracy": Option("1e-9"),
-        "--sample-seed": Option("2", {"--walks": "2", "--verbose": None}),
+        "--recompute": Option("none"), "--walks": Option("2"), "--accuracy": Option("1e-9"),
         "--damping": Option("1e-3", {"--verbose": None}), "--rate": Option("1", {"--verbose": None}),
         "--scale": Option("1e9")}),
     "stats": ({"": "ball.grid"}, {
@@ -85,7 +84,6 @@ FILTERS = {
 SILENT = {
     ("--threads", ""): "the result is the same",
     ("--axes", ""): "a path and a replay are in the model's space",
-    ("", "--quiet"): "only the exit code is left",
     ("--verbose", "--format"): "JSON has all figures",
 }
 SILENT |= {(a, b): "nobody can listen there: no page is served" for b in ("--port", "--address")

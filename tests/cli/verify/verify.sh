@@ -54,17 +54,14 @@ expect 0 "$table" 'verify: fine: 11 checks' -- verify grid --recompute all -j 3
 expect 0 '' 'verify: fine: 11 checks' -- verify grid -o report
 same "the report in a file" "$table" "$(cat report)"
 expect 0 "$(grep -vE '^(fidelity|stable|snaps)' report)" 'verify: fine: 9 checks' -- verify grid --recompute none
-expect 0 '' '' -- verify grid -q
-
-expect 3 '' '' -- verify seeds --quiet
 
 # The whole ball, all of it evaluated again; a sample is the same each time, with any -j.
 seed "$ball" | expand --complete -o ball.grid
 verify ball.grid --recompute all -j 2 -v >all 2>err
 same "verdict" 'verify: fine: 11 checks' "$(cat err)"
 same "conversions" "$(stats ball.grid --get conversions)" "$(awk '$1 == "fidelity" { print $2 }' all)"
-verify ball.grid --recompute 37 --sample-seed 5 --format json >one 2>err
-verify ball.grid --recompute 37 --sample-seed 5 --format json -j 2 2>err | cmp - one
+verify ball.grid --recompute 37 --format json >one 2>err
+verify ball.grid --recompute 37 --format json -j 2 2>err | cmp - one
 
 # What the loop of the hung ball costs, and how large it must be on a device.
 grep -qE '^  largest loss 0\.[0-9]+ N rope lengths: where point .* snaps$' all || fail "$(cat all)"
@@ -170,5 +167,4 @@ for count in some -1 1.5 ''; do
 done
 expect 2 '' "~verify: .*: - $see" -- verify - -
 expect 2 '' "~verify: .*--recompuet.*; did you mean --recompute\? $see" -- verify grid --recompuet none
-expect 2 '' "~verify: --(verbose|quiet) excludes --(verbose|quiet) $see" -- verify grid -q -v
 expect 2 '' "~verify: -j: .*|verify: --threads: .*" -- verify grid -j 0
