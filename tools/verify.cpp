@@ -108,17 +108,6 @@ void add_checks(CommandLine& app, Options& options) {
           format("Fault: 1 % of the walked places are off by more; sets --walks {}", kDefaultWalks))
       .type("E")
       .positive();
-  app.add("--damping", asked.damping, "For `steep`: the damping of the device in N s/m")
-      .type("B")
-      .positive()
-      .shows_default();
-  app.add("--rate", asked.rate_hz, "For `steep`: its ticks a second")
-      .type("HZ")
-      .positive()
-      .shows_default();
-  app.add("--scale", asked.scale, "For `steep`: model's units of length for a metre of the hand")
-      .type("UNITS/M")
-      .positive();
 }
 
 }  // namespace

@@ -117,7 +117,7 @@ std::vector<Check> examine(const Grid& grid, const Examination& asked) {
     gradient = check_gradient(grid, fields, sample, asked.recompute > 0 ? make_model : MakeModel());
     add(Check(gradient));
   }
-  add(check_steep(grid, fields.force, asked.damping, asked.rate_hz, asked.scale));
+  add(check_steep(grid, fields.force));
   if (knows_force)
     add(prove_passive(grid, branches, fields, gradient,
                       asked.recompute > 0 ? MakeModel(make_model) : MakeModel(), asked.threads));

@@ -55,9 +55,7 @@ FILTERS = {
         **OUTPUT, "--small": Option(), "--cost": Option("new.cost")}),
     "verify": ({"": "ball.grid"}, {
         **of_model("grid", **{"--recompute": "1", "--walks": "1"}), **OUTPUT, "--threads": Option("2"), "--format": Option("json"), "--verbose": Option(),
-        "--recompute": Option("none"), "--walks": Option("2"), "--accuracy": Option("1e-9"),
-        "--damping": Option("1e-3", {"--verbose": None}), "--rate": Option("1", {"--verbose": None}),
-        "--scale": Option("1e9")}),
+        "--recompute": Option("none"), "--walks": Option("2"), "--accuracy": Option("1e-9")}),
     "stats": ({"": "ball.grid"}, {
         **OUTPUT, "--cost": Option("cost"), "--get": Option("records"), "--log": Option("log.session", {"": ...}),
         "--format": Option("json"), "--npy": Option("a.npy")}),
