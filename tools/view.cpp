@@ -196,7 +196,7 @@ int run(const Options& options) {
   for (Frame frame; reader.next(frame);) {
     report.add(frame);
     if (png) chosen.offer(frame);
-    if (html) shown += (first ? ",\n" : "") + script_of(page_frame(scene, frame, how));
+    if (html) shown += (first ? ",\n" : "") + script_of(page_frame(scene, frame));
     if (!first) first = frame;
     add_to_way(scene, frame, how);
     if (xyz) xyz->write(xyz_frame(reader, frame, options.hip_label));
@@ -252,8 +252,7 @@ void add_live_options(CommandLine& app, Options& options) {
   app.add_flag("--web", options.web,
                "Serve a page that shows the frames in browsers, and write its address; a recorded "
                "file plays at the speed at which it was recorded.")
-      .goes_with(
-          {"frames", "--port", "--address", "--style", "--azimuth", "--elevation", "--hip-radius"});
+      .goes_with({"frames", "--port", "--address", "--style", "--azimuth", "--elevation"});
   app.add("--port", options.port,
           "Port of --web (default: 0, one that is free) or --imd (default: 8888).")
       .type("PORT")
@@ -275,7 +274,7 @@ void add_live_options(CommandLine& app, Options& options) {
   app.add_flag("--terminal{auto}", options.terminal,
                "Show the frames in the terminal. Default: auto, the best that the terminal can do.")
       .one_of({"auto", "symbols", "sixel"})
-      .goes_with({"frames", "--style", "--azimuth", "--elevation", "--hip-radius"});
+      .goes_with({"frames", "--style", "--azimuth", "--elevation"});
   app.add_flag("--imd", options.imd,
                "Serve VMD over TCP. There is no password: whoever reaches the port sees the play.")
       .goes_with({"frames", "--port", "--address"});
@@ -305,11 +304,6 @@ void add_picture_options(CommandLine& app, Options& options) {
       .type("DEGREES")
       .within(-90, 90, "an angle from -90 to 90 degrees")
       .shows_default()
-      .needs_one_of(pictures);
-  app.add("--hip-radius", options.picture.hip_radius,
-          "Radius of the ball at the HIP (default: that of the frames).")
-      .type("LENGTH")
-      .within(1e-12, 1e12, "a length from 1e-12 to 1e12")
       .needs_one_of(pictures);
 }
 
