@@ -3,6 +3,7 @@
 
 #include <arpa/inet.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -43,8 +44,8 @@ struct Options {
   std::string html;
   double at_s = std::numeric_limits<double>::infinity();  // beyond: the last frame
   std::string size = "800x600";
-  RenderOptions picture;
-  bool has_angles = false;  // asked for
+  std::string from = "30,20";
+  bool has_from = false;  // asked for
   std::string style = "spheres";
   bool web = false;
   std::string address = "127.0.0.1";
@@ -55,17 +56,33 @@ struct Options {
   bool wants_report() const { return xyz.empty() && png.empty() && html.empty(); }
 };
 
+/// Two numbers and what stands between them; nothing when the text is not that.
+template <class Number>
+std::optional<std::pair<Number, Number>> parse_two(const std::string& text, char between) {
+  std::pair<Number, Number> two;
+  const char* const end = text.data() + text.size();
+  const auto first = std::from_chars(text.data(), end, two.first);
+  if (first.ec != std::errc() || first.ptr == end || *first.ptr != between) return std::nullopt;
+  const auto second = std::from_chars(first.ptr + 1, end, two.second);
+  if (second.ec != std::errc() || second.ptr != end) return std::nullopt;
+  return two;
+}
+
 /// WxH in pixels; nothing when it is not that.
 std::optional<std::pair<int, int>> parse_size(const std::string& text) {
-  std::pair<int, int> size;
-  const char* const end = text.data() + text.size();
-  const auto width = std::from_chars(text.data(), end, size.first);
-  if (width.ec != std::errc() || width.ptr == end || *width.ptr != 'x') return std::nullopt;
-  const auto height = std::from_chars(width.ptr + 1, end, size.second);
-  if (height.ec != std::errc() || height.ptr != end) return std::nullopt;
-  for (const int side : {size.first, size.second})
-    if (side < 1 || side > kMaxPixels) return std::nullopt;
+  const auto size = parse_two<int>(text, 'x');
+  if (!size || std::min(size->first, size->second) < 1 ||
+      std::max(size->first, size->second) > kMaxPixels)
+    return std::nullopt;
   return size;
+}
+
+/// AZIMUTH,ELEVATION in degrees; nothing when it is not that.
+std::optional<std::pair<double, double>> parse_from(const std::string& text) {
+  const auto from = parse_two<double>(text, ',');
+  if (!from || !(std::abs(from->first) <= 360) || !(std::abs(from->second) <= 90))
+    return std::nullopt;
+  return from;
 }
 
 /// The frame that --png shows: the one nearest to a time, the earlier of two.
@@ -122,15 +139,16 @@ struct Report {
 };
 
 RenderOptions render_options(const Options& options) {
-  RenderOptions how = options.picture;
+  RenderOptions how;
   std::tie(how.width, how.height) = *parse_size(options.size);
+  std::tie(how.azimuth_degrees, how.elevation_degrees) = *parse_from(options.from);
   how.sticks = options.style == "sticks";
   return how;
 }
 
 /// The frames are no frames but a grid.
 int run_grid(const Options& options, RenderOptions how) {
-  if (!options.has_angles) {
+  if (!options.has_from) {
     how.azimuth_degrees = 0;  // from the front: the hand moves in the plane of the picture
     how.elevation_degrees = 10;
   }
@@ -252,7 +270,7 @@ void add_live_options(CommandLine& app, Options& options) {
   app.add_flag("--web", options.web,
                "Serve a page that shows the frames in browsers, and write its address; a recorded "
                "file plays at the speed at which it was recorded.")
-      .goes_with({"frames", "--port", "--address", "--style", "--azimuth", "--elevation"});
+      .goes_with({"frames", "--port", "--address", "--style", "--from"});
   app.add("--port", options.port,
           "Port of --web (default: 0, one that is free) or --imd (default: 8888).")
       .type("PORT")
@@ -274,7 +292,7 @@ void add_live_options(CommandLine& app, Options& options) {
   app.add_flag("--terminal{auto}", options.terminal,
                "Show the frames in the terminal. Default: auto, the best that the terminal can do.")
       .one_of({"auto", "symbols", "sixel"})
-      .goes_with({"frames", "--style", "--azimuth", "--elevation"});
+      .goes_with({"frames", "--style", "--from"});
   app.add_flag("--imd", options.imd,
                "Serve VMD over TCP. There is no password: whoever reaches the port sees the play.")
       .goes_with({"frames", "--port", "--address"});
@@ -293,16 +311,12 @@ void add_picture_options(CommandLine& app, Options& options) {
              format("like 800x600, at most {} each", kMaxPixels))
       .shows_default()
       .needs(app.option("--png"));
-  app.add("--azimuth", options.picture.azimuth_degrees,
-          "Direction of the viewer around z; at 0, x points to the right and y away.")
-      .type("DEGREES")
-      .within(-360, 360, "an angle from -360 to 360 degrees")
-      .shows_default()
-      .needs_one_of(pictures);
-  app.add("--elevation", options.picture.elevation_degrees,
-          "Angle of the viewer above the plane of x and y.")
-      .type("DEGREES")
-      .within(-90, 90, "an angle from -90 to 90 degrees")
+  app.add("--from", options.from,
+          "Direction of the viewer in degrees: around z, where at 0 x points to the right and y "
+          "away, and above the plane of x and y.")
+      .type("AZIMUTH,ELEVATION")
+      .check([](const std::string& text) { return parse_from(text).has_value(); },
+             "like 30,20: degrees from -360 to 360 and from -90 to 90")
       .shows_default()
       .needs_one_of(pictures);
 }
@@ -322,7 +336,7 @@ int main(int argc, char** argv) {
                "A file named '-' is standard output. Lengths are in the model's unit.\n"
                "The button ? of the page shows what mouse, fingers and keys do.\n");
   return run_tool(app, argc, argv, [&] {
-    options.has_angles = app.given("--azimuth") || app.given("--elevation");
+    options.has_from = app.given("--from");
     return run(options);
   });
 }

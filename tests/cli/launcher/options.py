@@ -75,8 +75,7 @@ FILTERS = {
         "--at": Option("0", {**SMALL, "": "frames"}), "--html": Option("a.html"), "--web": Option(),
         "--port": Option("80", *LIVE), "--address": Option("198.51.100.2", *LIVE),
         "--terminal": Option("symbols"), "--imd": Option(None, {"--address": "198.51.100.1"}), "--style": Option("sticks", *PICTURES),
-        "--size": Option("40x30", SMALL), "--azimuth": Option("50", *PICTURES),
-        "--elevation": Option("30", *PICTURES)}),
+        "--size": Option("40x30", SMALL), "--from": Option("50,30", *PICTURES)}),
 }
 # What need not show: (option, the other one), "" for all, and why.
 SILENT = {
@@ -85,7 +84,7 @@ SILENT = {
     ("--verbose", "--format"): "JSON has all figures",
 }
 SILENT |= {(a, b): "nobody can listen there: no page is served" for b in ("--port", "--address")
-           for a in ("--style", "--azimuth", "--elevation")}
+           for a in ("--style", "--from")}
 
 
 def run(tool, given):
