@@ -33,7 +33,6 @@ using namespace hapgrid;
 
 namespace {
 
-constexpr int kImdPort = 8888;
 constexpr int kMaxPixels = 8192;  // of a side: 8192 x 8192 pixels are 200 MB
 
 struct Options {
@@ -47,11 +46,9 @@ struct Options {
   std::string from = "30,20";
   bool has_from = false;  // asked for
   std::string style = "spheres";
-  bool web = false;
-  std::string address = "127.0.0.1";
-  int port = -1;         // by default 0, a free one, and 8888 for --imd
-  std::string terminal;  // how to draw there; empty: not asked for
-  bool imd = false;
+  // Empty: not asked for.
+  std::string web, imd;  // where to listen
+  std::string terminal;  // how to draw there
 
   bool wants_report() const { return xyz.empty() && png.empty() && html.empty(); }
 };
@@ -83,6 +80,26 @@ std::optional<std::pair<double, double>> parse_from(const std::string& text) {
   if (!from || !(std::abs(from->first) <= 360) || !(std::abs(from->second) <= 90))
     return std::nullopt;
   return from;
+}
+
+struct Place {
+  std::string address = "127.0.0.1";
+  int port = 0;
+};
+
+/// [ADDRESS:]PORT; nothing when it is not that.
+std::optional<Place> parse_place(const std::string& text) {
+  Place place;
+  const std::size_t colon = text.find(':');
+  if (colon != text.npos) place.address = text.substr(0, colon);
+  const char* const begin = text.data() + (colon == text.npos ? 0 : colon + 1);
+  const char* const end = text.data() + text.size();
+  const auto port = std::from_chars(begin, end, place.port);
+  in_addr address{};
+  if (port.ec != std::errc() || port.ptr != end || place.port < 0 || place.port > 65535 ||
+      ::inet_pton(AF_INET, place.address.c_str(), &address) != 1)
+    return std::nullopt;
+  return place;
 }
 
 /// The frame that --png shows: the one nearest to a time, the earlier of two.
@@ -184,13 +201,13 @@ int run(const Options& options) {
   announce_terminal(options.frames);
   RenderOptions how = render_options(options);
   if (is_grid(options.frames)) return run_grid(options, how);
-  if (options.web || !options.terminal.empty()) fit_to_file(options.frames, how);
-  if (options.web) {
-    run_web(options.frames, {how, options.address, std::max(options.port, 0)});
+  if (!options.web.empty() || !options.terminal.empty()) fit_to_file(options.frames, how);
+  if (const auto place = parse_place(options.web)) {
+    run_web(options.frames, {how, place->address, place->port});
     return kExitDone;
   }
-  if (options.imd) {
-    run_imd(options.frames, options.address, options.port < 0 ? kImdPort : options.port);
+  if (const auto place = parse_place(options.imd)) {
+    run_imd(options.frames, place->address, place->port);
     return kExitDone;
   }
   if (!options.terminal.empty()) {
@@ -267,35 +284,27 @@ void add_file_options(CommandLine& app, Options& options) {
 
 void add_live_options(CommandLine& app, Options& options) {
   app.group("Live");
-  app.add_flag("--web", options.web,
+  const auto is_place = [](const std::string& text) { return parse_place(text).has_value(); };
+  const char* const place = "an IPv4 address and a port, like 8888 or 127.0.0.1:8888";
+  // Flags, so that a file's name behind them is not taken for their value.
+  app.add_flag("--web{0}", options.web,
                "Serve a page that shows the frames in browsers, and write its address; a recorded "
-               "file plays at the speed at which it was recorded.")
-      .goes_with({"frames", "--port", "--address", "--style", "--from"});
-  app.add("--port", options.port,
-          "Port of --web (default: 0, one that is free) or --imd (default: 8888).")
-      .type("PORT")
-      .within(0, 65535, "a port from 0 to 65535")
-      .needs_one_of({"--web", "--imd"});
-  app.add("--address", options.address,
-          "IPv4 address of --web or --imd; with another one than the default, other machines reach "
-          "it.")
-      .type("ADDRESS")
-      .check(
-          [](const std::string& text) {
-            in_addr address{};
-            return ::inet_pton(AF_INET, text.c_str(), &address) == 1;
-          },
-          "an IPv4 address")
-      .shows_default()
-      .needs_one_of({"--web", "--imd"});
-  // A flag, so that a file's name behind it is not taken for its value.
+               "file plays at the speed at which it was recorded. With another address than "
+               "127.0.0.1, the default, other machines reach it; the default port is one that is "
+               "free.")
+      .type("[ADDRESS:]PORT")
+      .check(is_place, place)
+      .goes_with({"frames", "--style", "--from"});
   app.add_flag("--terminal{auto}", options.terminal,
                "Show the frames in the terminal. Default: auto, the best that the terminal can do.")
       .one_of({"auto", "symbols", "sixel"})
       .goes_with({"frames", "--style", "--from"});
-  app.add_flag("--imd", options.imd,
-               "Serve VMD over TCP. There is no password: whoever reaches the port sees the play.")
-      .goes_with({"frames", "--port", "--address"});
+  app.add_flag("--imd{8888}", options.imd,
+               "Serve VMD over TCP, by default on port 8888 of this machine alone. There is no "
+               "password: whoever reaches the port sees the play.")
+      .type("[ADDRESS:]PORT")
+      .check(is_place, place)
+      .goes_with({"frames"});
 }
 
 void add_picture_options(CommandLine& app, Options& options) {

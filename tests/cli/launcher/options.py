@@ -30,8 +30,6 @@ def merged(*sets):
 
 
 # slow.toml has a process that says what it is, and ends without an answer.
-# Nobody can listen at these addresses, which is said with the port.
-LIVE = {"--web": None, "--address": "198.51.100.1"}, {"--imd": None, "--address": "198.51.100.1"}
 SMALL = {"--png": "a.png", "--size": "60x40"}
 PICTURES = SMALL, {"--html": "a.html"}, {"--web": None}, {"--terminal": "symbols"}
 OUTPUT = {"--output": Option("out")}
@@ -73,8 +71,7 @@ FILTERS = {
     "view": ({"": "one.frames"}, {
         "--xyz": Option("a.xyz"), "--hip-label": Option("He", {"--xyz": "a.xyz"}), "--png": Option("a.png", SMALL),
         "--at": Option("0", {**SMALL, "": "frames"}), "--html": Option("a.html"), "--web": Option(),
-        "--port": Option("80", *LIVE), "--address": Option("198.51.100.2", *LIVE),
-        "--terminal": Option("symbols"), "--imd": Option(None, {"--address": "198.51.100.1"}), "--style": Option("sticks", *PICTURES),
+        "--terminal": Option("symbols"), "--imd": Option("198.51.100.1:0"), "--style": Option("sticks", *PICTURES),
         "--size": Option("40x30", SMALL), "--from": Option("50,30", *PICTURES)}),
 }
 # What need not show: (option, the other one), "" for all, and why.
@@ -83,8 +80,6 @@ SILENT = {
     ("--axes", ""): "a path and a replay are in the model's space",
     ("--verbose", "--format"): "JSON has all figures",
 }
-SILENT |= {(a, b): "nobody can listen there: no page is served" for b in ("--port", "--address")
-           for a in ("--style", "--from")}
 
 
 def run(tool, given):
@@ -93,7 +88,7 @@ def run(tool, given):
     for name, value in given.items():
         if value is ...:
             continue
-        words += [f"{name}={value}"] if name == "--terminal" else [word for word in (name, value) if word]
+        words += [f"{name}={value}"] if name in ("--terminal", "--imd") else [word for word in (name, value) if word]
     if "--terminal" in given:
         words = ["script", "-qec", shlex.join(words), "/dev/null"]
     with tempfile.TemporaryDirectory(dir=IN + "/..") as folder:
