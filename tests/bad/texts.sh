@@ -83,7 +83,7 @@ code, out, err = look("view", "--imd=0", input=open("frames", "rb").read())
 assert code == 0 and "energies go out in J??" in err, (code, out, err)
 assert look("view", "frames")[0] == 0
 for form in ("text", "json"):
-    assert look("stats", "--log", "a.session", "--format", form)[0] == 0
+    assert look("stats", "a.session", "--format", form)[0] == 0
 # Programs in Python and in the shell. What is no letter of ASCII is a question mark in the shell's.
 shell = "\x1b]0;title\x07\x9b\u202e\u2028\ufeff\\033[31m"
 for words in (["hapgrid", "molecule", short + ".xyz", "-o", "none"],

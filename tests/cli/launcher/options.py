@@ -55,7 +55,7 @@ FILTERS = {
         **of_model("grid", **{"--recompute": "1", "--walks": "1"}), **OUTPUT, "--threads": Option("2"), "--format": Option("json"), "--verbose": Option(),
         "--recompute": Option("none"), "--walks": Option("2"), "--accuracy": Option("1e-9")}),
     "stats": ({"": "ball.grid"}, {
-        **OUTPUT, "--cost": Option("cost"), "--get": Option("records"), "--log": Option("log.session", {"": ...}),
+        **OUTPUT, "--cost": Option("cost"), "--get": Option("records"),
         "--format": Option("json"), "--npy": Option("a.npy")}),
     "check-model": ({"": "ball.toml", "--steps": "20", "--format": "json"}, {
         **OF_DEFINITION, "--steps": Option("30"), "--seconds": Option("9", telling="1e-9"), "--format": Option("text")}),

@@ -30,7 +30,7 @@ for order in "--xyz 0.5,0,0,1 no-such" "no-such --xyz 0.5,0,0,1"; do
 done
 
 seed "$ball" --set 'grid.counts=[4,3,2]' -o g
-for command in "seed -" expand "expand --complete" merge "merge -" verify stats "stats --log -" view \
+for command in "seed -" expand "expand --complete" merge "merge -" verify stats view \
   "play - --device path:path" "check-model -" "stats g --cost -" "verify /dev/stdin" "expand /dev/stdin" \
   "merge g /dev/tty" "molecule-check -" "play g --device path:/dev/stdin" "view /dev/tty"; do
   script -qec "$command 2>err" /dev/null </dev/null >/dev/null || true
