@@ -66,7 +66,7 @@ FILTERS = {
         "--rate": Option("2000"), "--duration": Option("0.03"), "--realtime": Option("off", {"--rate": "2000"}),
         "--selftest": Option(None, {"": ..., "--device": ..., "--log": ..., "--rate": "1000", "--duration": "0.1"}),
         "--log": Option("other.log"), "--frames": Option("out.frames"), "--report": Option("out.json"),
-        "--axes": Option("y,x,z"), "--config": Option("play.toml"), "--gain": Option("2"),
+        "--config": Option("play.toml"), "--gain": Option("2"),
         "--max-force": Option("0.001", telling="0"), "--scale": Option("5")}),
     "view": ({"": "one.frames"}, {
         "--xyz": Option("a.xyz"), "--hip-label": Option("He", {"--xyz": "a.xyz"}), "--png": Option("a.png", SMALL),
@@ -77,7 +77,6 @@ FILTERS = {
 # What need not show: (option, the other one), "" for all, and why.
 SILENT = {
     ("--threads", ""): "the result is the same",
-    ("--axes", ""): "a path and a replay are in the model's space",
     ("--verbose", "--format"): "JSON has all figures",
 }
 
