@@ -23,7 +23,7 @@ for tool in seed expand merge verify stats play view check-model molecule-check;
     refuses "$missing" -- $tool $option $value $option $value no-such "${more[@]}" </dev/null
   done
 done
-same "options that can be repeated" " seed--set stats--cost check-model--set molecule-check--set" "$found"
+same "options that can be repeated" " seed--set stats--cost check-model--set" "$found"
 # Numbers with commas between them are one value.
 for order in "--xyz 0.5,0,0,1 no-such" "no-such --xyz 0.5,0,0,1"; do
   refuses "molecule-check: no-such: No such file or directory" -- molecule-check $order
