@@ -84,7 +84,7 @@ bool viewer_waits(const PlayOptions& options) {
 /// What the user gave, and defaults.
 PlaySettings given_settings(const PlayOptions& options) {
   PlaySettings settings = changed({}, options.given);
-  if (options.axes) settings.mapping.axes = *options.axes;
+  if (const auto axes = read_axes(options.file.axes)) settings.mapping.axes = *axes;
   return settings;
 }
 
@@ -113,7 +113,7 @@ Settled settle(const PlayOptions& options, const std::optional<SessionHeader>& s
   settings = changed(settings, options.given);
   if (options.traversal) rule = *options.traversal;
   if (options.beside) beside = *options.beside;
-  if (options.axes) settings.mapping.axes = *options.axes;
+  if (const auto axes = read_axes(options.file.axes)) settings.mapping.axes = *axes;
   return settled;
 }
 
@@ -181,9 +181,8 @@ int conclude(const PlayOptions& options, const LoopSummary& summary, RunFacts fa
 void apply_file(PlayOptions& options) {
   const PlayFile& file = options.file;
   if (file.name.empty()) return;
-  say("play", file_text(file, options.given, options.axes.has_value()));
+  say("play", file_text(file, options.given));
   options.given.insert(options.given.begin(), file.given.begin(), file.given.end());
-  if (!options.axes) options.axes = read_axes(file.axes);
 }
 
 /// Opens a device. Where that fails, it says which permissions lack.

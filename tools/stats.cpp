@@ -1,8 +1,10 @@
 // stats: what is in a grid, as a report, a single value or an array; and what happened in a play.
 
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "libcore/base/error.hpp"
@@ -28,12 +30,11 @@ namespace {
 constexpr std::uint64_t kCostLimit = 256u << 20;
 
 struct Options {
-  std::string grid = "-";
+  std::string file = "-";
   std::vector<std::string> costs;
   std::string format = "text";
   std::string get;
   std::string npy;
-  std::string log;
   std::string output = "-";
 };
 
@@ -50,10 +51,9 @@ const Json* find(const Json& json, const std::string& key) {
 
 /// A value that header and footer tell, so that a loop over generations need not read the whole
 /// grid each time: its chunks are not looked at, and damage in them is not seen here.
-std::optional<Json> value_from_footer(const std::string& key, const std::string& name) {
+std::optional<Json> value_from_footer(const std::string& key, const Section& grid) {
   if (key != "frontier" && key != "records" && key != "generation" && key != "conversions_left")
     return std::nullopt;
-  const Section grid = open_grid(name);
   if (key == "generation") return grid.header.generation;
   if (key == "frontier") return grid.frontier();
   return key == "conversions_left" ? grid.conversions() : grid.records();
@@ -70,13 +70,6 @@ void write_all(const std::string& name, const std::string& text) {
   OutputFile output(name, /*binary=*/false);
   output.write(text);
   output.commit();
-}
-
-void show_log(const Options& options) {
-  InputFile file(options.log);
-  if (!starts_with_zstd_frame(file))
-    throw Error(format("{}: not a session; hapgrid plot draws a log that is text", file.name()));
-  run_session(std::move(file), options.npy, options.format == "json", options.output);
 }
 
 /// The report on the whole grid, or one value of it.
@@ -101,11 +94,10 @@ std::string report(const Options& options, const Grid& grid, std::uint64_t store
   return value_line(*value);
 }
 
-void show_grid(const Options& options) {
+void show_grid(const Options& options, const Section& section) {
   if (!options.get.empty())
-    if (const auto value = value_from_footer(options.get, options.grid))
+    if (const auto value = value_from_footer(options.get, section))
       return write_all(options.output, value_line(*value));
-  const Section section = open_grid(options.grid);
   const Grid grid = load_grid(section);
   if (!options.npy.empty()) return write_grid_array(grid, options.npy);
   write_all(options.output, report(options, grid, section.size()));
@@ -115,12 +107,18 @@ int run(const Options& options) {
   if (!options.costs.empty() && !options.get.empty() && !options.get.starts_with("costs") &&
       options.get != "cpu_hours")
     throw UsageError(format("--get: {} does not depend on --cost", options.get));
-  const std::string& input = options.log.empty() ? options.grid : options.log;
-  std::vector<Input> inputs{{input, options.log.empty() ? "grid" : "session"}};
+  std::vector<Input> inputs{{options.file, "input"}};
   for (const std::string& cost : options.costs) inputs.push_back({cost, "cost"});
   keep_inputs({{"--output", options.output}, {"--npy", options.npy}}, inputs);
-  announce_terminal(input);
-  options.log.empty() ? show_grid(options) : show_log(options);
+  announce_terminal(options.file);
+  InputFile file(options.file);
+  if (!is_session(file)) {
+    show_grid(options, open_grid(std::make_shared<const InputFile>(std::move(file))));
+    return kExitDone;
+  }
+  if (!options.get.empty() || !options.costs.empty())
+    throw UsageError(format("{}: is a session; --get and --cost are for grids", file.name()));
+  run_session(std::move(file), options.npy, options.format == "json", options.output);
   return kExitDone;
 }
 
@@ -128,10 +126,12 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   CommandLine app(
-      "Tells what is in a grid, complete or not: the row of the paper's Table 2 and more. With "
-      "--log it tells what happened in a play.");
+      "Tells what is in a grid, complete or not: the row of the paper's Table 2 and more; or what "
+      "happened in a play, from its session.");
   Options options;
-  add_grid(app, options.grid);
+  app.add("file", options.file,
+          "Grid, or session that play --log wrote, to read ('-' or none: standard input)")
+      .type("FILE");
   app.group("A grid");
   app.add("--cost", options.costs,
           "File that expand --cost or merge --cost wrote. It can be given several times: costs are "
@@ -141,11 +141,7 @@ int main(int argc, char** argv) {
   app.add("--get", options.get,
           "Key of the JSON report whose value alone is printed, as in --get box.spacing.")
       .type("KEY")
-      .goes_with({"grid", "--cost", "--output"});
-  app.group("A log of play, instead of a grid");
-  app.add("--log", options.log, "Session that play --log wrote ('-': standard input).")
-      .type("FILE")
-      .goes_with({"--format", "--npy", "--output"});
+      .goes_with({"file", "--cost", "--output"});
   app.group("Output");
   app.add("--format", options.format, "Format of the report.")
       .one_of({"text", "json"})
@@ -154,7 +150,7 @@ int main(int argc, char** argv) {
           "Array to write for numpy, of a grid's records or a session's ticks ('-': standard "
           "output).")
       .type("FILE")
-      .goes_with({"grid", "--log"});
+      .goes_with({"file"});
   add_output(app, options.output);
   app.set_help("stats", "hapgrid-stats(1) explains the numbers.\n");
   return run_tool(app, argc, argv, [&] { return run(options); });

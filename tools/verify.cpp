@@ -28,7 +28,6 @@ struct Options {
   std::string format = "text";
   std::string output = "-";
   bool is_verbose = false;
-  bool is_quiet = false;
 };
 
 constexpr std::uint64_t kMostWalks = 1'000'000;
@@ -66,12 +65,10 @@ std::string report(const Grid& grid, const std::vector<Check>& checks, const Opt
 
 /// Writes the report and the verdict. @returns the exit code
 int tell(const Grid& grid, const std::vector<Check>& checks, const Options& options) {
-  if (!options.is_quiet) {
-    OutputFile output(options.output, /*binary=*/false);
-    output.write(report(grid, checks, options));
-    output.commit();
-    say("verify", verdict_line(checks));
-  }
+  OutputFile output(options.output, /*binary=*/false);
+  output.write(report(grid, checks, options));
+  output.commit();
+  say("verify", verdict_line(checks));
   return is_broken(checks) ? kExitInvalid : is_fine(checks) ? kExitDone : kExitNotProved;
 }
 
@@ -111,20 +108,6 @@ void add_checks(CommandLine& app, Options& options) {
           format("Fault: 1 % of the walked places are off by more; sets --walks {}", kDefaultWalks))
       .type("E")
       .positive();
-  app.add("--sample-seed", asked.sample_seed, "Another number draws other records and walks")
-      .type("S")
-      .shows_default();
-  app.add("--damping", asked.damping, "For `steep`: the damping of the device in N s/m")
-      .type("B")
-      .positive()
-      .shows_default();
-  app.add("--rate", asked.rate_hz, "For `steep`: its ticks a second")
-      .type("HZ")
-      .positive()
-      .shows_default();
-  app.add("--scale", asked.scale, "For `steep`: model's units of length for a metre of the hand")
-      .type("UNITS/M")
-      .positive();
 }
 
 }  // namespace
@@ -151,17 +134,12 @@ int main(int argc, char** argv) {
   add_output(app, options.output);
   app.add_flag("-v,--verbose", options.is_verbose,
                "Figures and places of every check that has some");
-  app.add_flag("-q,--quiet", options.is_quiet, "No report, only the exit code")
-      .excludes(app.option("--verbose"))
-      .excludes(app.option("--output"))
-      .excludes(app.option("--format"));
   app.set_help("verify", kChecks,
                "  3  read everything, and an invariant is broken\n"
                "  4  nothing is broken, but a check could not prove what it says\n");
   return run_tool(app, argc, argv, [&] {
-    for (const char* const name : {"--sample-seed", "--allow-process"})
-      if (asks_no_model(options) && app.given(name))
-        throw UsageError(format("{}: --recompute none, and no --walks, ask no model", name));
+    if (asks_no_model(options) && app.given("--allow-process"))
+      throw UsageError("--allow-process: --recompute none, and no --walks, ask no model");
     return run(options);
   });
 }

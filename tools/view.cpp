@@ -3,6 +3,7 @@
 
 #include <arpa/inet.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -32,7 +33,6 @@ using namespace hapgrid;
 
 namespace {
 
-constexpr int kImdPort = 8888;
 constexpr int kMaxPixels = 8192;  // of a side: 8192 x 8192 pixels are 200 MB
 
 struct Options {
@@ -43,29 +43,63 @@ struct Options {
   std::string html;
   double at_s = std::numeric_limits<double>::infinity();  // beyond: the last frame
   std::string size = "800x600";
-  RenderOptions picture;
-  bool has_angles = false;  // asked for
+  std::string from = "30,20";
+  bool has_from = false;  // asked for
   std::string style = "spheres";
-  bool web = false;
-  std::string address = "127.0.0.1";
-  int port = -1;         // by default 0, a free one, and 8888 for --imd
-  std::string terminal;  // how to draw there; empty: not asked for
-  bool imd = false;
+  // Empty: not asked for.
+  std::string web, imd;  // where to listen
+  std::string terminal;  // how to draw there
 
   bool wants_report() const { return xyz.empty() && png.empty() && html.empty(); }
 };
 
+/// Two numbers and what stands between them; nothing when the text is not that.
+template <class Number>
+std::optional<std::pair<Number, Number>> parse_two(const std::string& text, char between) {
+  std::pair<Number, Number> two;
+  const char* const end = text.data() + text.size();
+  const auto first = std::from_chars(text.data(), end, two.first);
+  if (first.ec != std::errc() || first.ptr == end || *first.ptr != between) return std::nullopt;
+  const auto second = std::from_chars(first.ptr + 1, end, two.second);
+  if (second.ec != std::errc() || second.ptr != end) return std::nullopt;
+  return two;
+}
+
 /// WxH in pixels; nothing when it is not that.
 std::optional<std::pair<int, int>> parse_size(const std::string& text) {
-  std::pair<int, int> size;
-  const char* const end = text.data() + text.size();
-  const auto width = std::from_chars(text.data(), end, size.first);
-  if (width.ec != std::errc() || width.ptr == end || *width.ptr != 'x') return std::nullopt;
-  const auto height = std::from_chars(width.ptr + 1, end, size.second);
-  if (height.ec != std::errc() || height.ptr != end) return std::nullopt;
-  for (const int side : {size.first, size.second})
-    if (side < 1 || side > kMaxPixels) return std::nullopt;
+  const auto size = parse_two<int>(text, 'x');
+  if (!size || std::min(size->first, size->second) < 1 ||
+      std::max(size->first, size->second) > kMaxPixels)
+    return std::nullopt;
   return size;
+}
+
+/// AZIMUTH,ELEVATION in degrees; nothing when it is not that.
+std::optional<std::pair<double, double>> parse_from(const std::string& text) {
+  const auto from = parse_two<double>(text, ',');
+  if (!from || !(std::abs(from->first) <= 360) || !(std::abs(from->second) <= 90))
+    return std::nullopt;
+  return from;
+}
+
+struct Place {
+  std::string address = "127.0.0.1";
+  int port = 0;
+};
+
+/// [ADDRESS:]PORT; nothing when it is not that.
+std::optional<Place> parse_place(const std::string& text) {
+  Place place;
+  const std::size_t colon = text.find(':');
+  if (colon != text.npos) place.address = text.substr(0, colon);
+  const char* const begin = text.data() + (colon == text.npos ? 0 : colon + 1);
+  const char* const end = text.data() + text.size();
+  const auto port = std::from_chars(begin, end, place.port);
+  in_addr address{};
+  if (port.ec != std::errc() || port.ptr != end || place.port < 0 || place.port > 65535 ||
+      ::inet_pton(AF_INET, place.address.c_str(), &address) != 1)
+    return std::nullopt;
+  return place;
 }
 
 /// The frame that --png shows: the one nearest to a time, the earlier of two.
@@ -122,15 +156,16 @@ struct Report {
 };
 
 RenderOptions render_options(const Options& options) {
-  RenderOptions how = options.picture;
+  RenderOptions how;
   std::tie(how.width, how.height) = *parse_size(options.size);
+  std::tie(how.azimuth_degrees, how.elevation_degrees) = *parse_from(options.from);
   how.sticks = options.style == "sticks";
   return how;
 }
 
 /// The frames are no frames but a grid.
 int run_grid(const Options& options, RenderOptions how) {
-  if (!options.has_angles) {
+  if (!options.has_from) {
     how.azimuth_degrees = 0;  // from the front: the hand moves in the plane of the picture
     how.elevation_degrees = 10;
   }
@@ -166,13 +201,13 @@ int run(const Options& options) {
   announce_terminal(options.frames);
   RenderOptions how = render_options(options);
   if (is_grid(options.frames)) return run_grid(options, how);
-  if (options.web || !options.terminal.empty()) fit_to_file(options.frames, how);
-  if (options.web) {
-    run_web(options.frames, {how, options.address, std::max(options.port, 0)});
+  if (!options.web.empty() || !options.terminal.empty()) fit_to_file(options.frames, how);
+  if (const auto place = parse_place(options.web)) {
+    run_web(options.frames, {how, place->address, place->port});
     return kExitDone;
   }
-  if (options.imd) {
-    run_imd(options.frames, options.address, options.port < 0 ? kImdPort : options.port);
+  if (const auto place = parse_place(options.imd)) {
+    run_imd(options.frames, place->address, place->port);
     return kExitDone;
   }
   if (!options.terminal.empty()) {
@@ -196,7 +231,7 @@ int run(const Options& options) {
   for (Frame frame; reader.next(frame);) {
     report.add(frame);
     if (png) chosen.offer(frame);
-    if (html) shown += (first ? ",\n" : "") + script_of(page_frame(scene, frame, how));
+    if (html) shown += (first ? ",\n" : "") + script_of(page_frame(scene, frame));
     if (!first) first = frame;
     add_to_way(scene, frame, how);
     if (xyz) xyz->write(xyz_frame(reader, frame, options.hip_label));
@@ -249,36 +284,27 @@ void add_file_options(CommandLine& app, Options& options) {
 
 void add_live_options(CommandLine& app, Options& options) {
   app.group("Live");
-  app.add_flag("--web", options.web,
+  const auto is_place = [](const std::string& text) { return parse_place(text).has_value(); };
+  const char* const place = "an IPv4 address and a port, like 8888 or 127.0.0.1:8888";
+  // Flags, so that a file's name behind them is not taken for their value.
+  app.add_flag("--web{0}", options.web,
                "Serve a page that shows the frames in browsers, and write its address; a recorded "
-               "file plays at the speed at which it was recorded.")
-      .goes_with(
-          {"frames", "--port", "--address", "--style", "--azimuth", "--elevation", "--hip-radius"});
-  app.add("--port", options.port,
-          "Port of --web (default: 0, one that is free) or --imd (default: 8888).")
-      .type("PORT")
-      .within(0, 65535, "a port from 0 to 65535")
-      .needs_one_of({"--web", "--imd"});
-  app.add("--address", options.address,
-          "IPv4 address of --web or --imd; with another one than the default, other machines reach "
-          "it.")
-      .type("ADDRESS")
-      .check(
-          [](const std::string& text) {
-            in_addr address{};
-            return ::inet_pton(AF_INET, text.c_str(), &address) == 1;
-          },
-          "an IPv4 address")
-      .shows_default()
-      .needs_one_of({"--web", "--imd"});
-  // A flag, so that a file's name behind it is not taken for its value.
+               "file plays at the speed at which it was recorded. With another address than "
+               "127.0.0.1, the default, other machines reach it; the default port is one that is "
+               "free.")
+      .type("[ADDRESS:]PORT")
+      .check(is_place, place)
+      .goes_with({"frames", "--style", "--from"});
   app.add_flag("--terminal{auto}", options.terminal,
                "Show the frames in the terminal. Default: auto, the best that the terminal can do.")
       .one_of({"auto", "symbols", "sixel"})
-      .goes_with({"frames", "--style", "--azimuth", "--elevation", "--hip-radius"});
-  app.add_flag("--imd", options.imd,
-               "Serve VMD over TCP. There is no password: whoever reaches the port sees the play.")
-      .goes_with({"frames", "--port", "--address"});
+      .goes_with({"frames", "--style", "--from"});
+  app.add_flag("--imd{8888}", options.imd,
+               "Serve VMD over TCP, by default on port 8888 of this machine alone. There is no "
+               "password: whoever reaches the port sees the play.")
+      .type("[ADDRESS:]PORT")
+      .check(is_place, place)
+      .goes_with({"frames"});
 }
 
 void add_picture_options(CommandLine& app, Options& options) {
@@ -294,22 +320,13 @@ void add_picture_options(CommandLine& app, Options& options) {
              format("like 800x600, at most {} each", kMaxPixels))
       .shows_default()
       .needs(app.option("--png"));
-  app.add("--azimuth", options.picture.azimuth_degrees,
-          "Direction of the viewer around z; at 0, x points to the right and y away.")
-      .type("DEGREES")
-      .within(-360, 360, "an angle from -360 to 360 degrees")
+  app.add("--from", options.from,
+          "Direction of the viewer in degrees: around z, where at 0 x points to the right and y "
+          "away, and above the plane of x and y.")
+      .type("AZIMUTH,ELEVATION")
+      .check([](const std::string& text) { return parse_from(text).has_value(); },
+             "like 30,20: degrees from -360 to 360 and from -90 to 90")
       .shows_default()
-      .needs_one_of(pictures);
-  app.add("--elevation", options.picture.elevation_degrees,
-          "Angle of the viewer above the plane of x and y.")
-      .type("DEGREES")
-      .within(-90, 90, "an angle from -90 to 90 degrees")
-      .shows_default()
-      .needs_one_of(pictures);
-  app.add("--hip-radius", options.picture.hip_radius,
-          "Radius of the ball at the HIP (default: that of the frames).")
-      .type("LENGTH")
-      .within(1e-12, 1e12, "a length from 1e-12 to 1e12")
       .needs_one_of(pictures);
 }
 
@@ -328,7 +345,7 @@ int main(int argc, char** argv) {
                "A file named '-' is standard output. Lengths are in the model's unit.\n"
                "The button ? of the page shows what mouse, fingers and keys do.\n");
   return run_tool(app, argc, argv, [&] {
-    options.has_angles = app.given("--azimuth") || app.given("--elevation");
+    options.has_from = app.given("--from");
     return run(options);
   });
 }

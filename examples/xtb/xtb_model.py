@@ -39,7 +39,7 @@ class ProbedMolecule:
         self.description = {
             "state_size": len(start), "d_max": 2.0, "tolerance": tolerance, "norm": "rms",
             "tolerance_unit": "angstrom", "length_unit": "angstrom", "energy_unit": "kJ/mol",
-            "force_scale": force_scale,
+            "force_scale": force_scale, "hip_radius": probe_radius,
             "spheres": [{"radius": contact_scale * r, "colour": c, "label": s}
                         for s, r, c in zip(symbols, radii, colours)]}
         self.force_scale = force_scale

@@ -11,15 +11,17 @@
 
 namespace hapgrid {
 
-Check check_steep(const Grid& grid, std::span<const Vec3> forces, double damping, double rate_hz,
-                  std::optional<double> scale) {
-  const double limit = 2 * damping * rate_hz;  // the largest stable stiffness, N/m
+// What devices have, and the rate of play by default.
+constexpr double kDamping = 2, kRateHz = 1000;               // N s/m, Hz
+constexpr double kStableStiffness = 2 * kDamping * kRateHz;  // K, N/m
+
+Check check_steep(const Grid& grid, std::span<const Vec3> forces) {
   const GridSpec& spec = grid.spec();
   const double h = grid.box().spacing;
   const std::string a_length = "/" + (spec.length_unit.empty() ? "length" : spec.length_unit);
   Check check{"steep",
               "records",
-              "records around which the force is stiffer than the device renders stably",
+              "how steep state and force are on a branch, and where a device renders that stably",
               {},
               /*is_note=*/true};
   check.found.counted = grid.records();
@@ -54,25 +56,20 @@ Check check_steep(const Grid& grid, std::span<const Vec3> forces, double damping
       }
       squares += larger * larger;
     }
-    const double k = std::sqrt(squares);
-    stiffness = std::max(stiffness, k);
-    if (scale && !(k * *scale < limit))
-      check.found.offend(at_record(grid, r), [&] {
-        return format("{}: {} N/m", describe(grid, r), rounded(k * *scale));
-      });
+    stiffness = std::max(stiffness, std::sqrt(squares));
   }
   check.figures = {state};
   if (forces.empty()) return check;
   check.figures.push_back(force);
-  const std::string device = format("K < 2 b f = {} N/m with b = {} N s/m and f = {} Hz",
-                                    rounded(limit), rounded(damping), rounded(rate_hz));
-  if (scale)
-    check.figures.push_back({"stiffness", stiffness * *scale, "N/m",
-                             (stiffness * *scale < limit ? "stable: " : "not stable: ") + device});
-  else if (stiffness > 0)
-    check.figures.push_back({"largest stable scale", limit / stiffness,
-                             (spec.length_unit.empty() ? "lengths" : spec.length_unit) + "/m",
-                             device});
+  if (!(stiffness > 0)) return check;
+  const Vec3 side = grid.box().high() - grid.box().origin;
+  const double longest = std::max({side[0], side[1], side[2]});
+  check.figures.push_back({"largest stable scale", kStableStiffness / stiffness,
+                           (spec.length_unit.empty() ? "lengths" : spec.length_unit) + "/m",
+                           format("K < 2 b f = {} N/m with b = {} N s/m and f = {} Hz",
+                                  kStableStiffness, kDamping, kRateHz)});
+  check.figures.push_back({"shortest stable reach", longest * stiffness / kStableStiffness, "m",
+                           "of a device whose reach fills the box, as by default"});
   return check;
 }
 

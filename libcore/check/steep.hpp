@@ -11,7 +11,6 @@
 // of f ticks a second when K < 2 b f.
 #pragma once
 
-#include <optional>
 #include <span>
 
 #include "libcore/check/report.hpp"
@@ -19,13 +18,11 @@
 
 namespace hapgrid {
 
-/// `steep`, a note. Counts records; with a scale, offenders are those around which the force is too
-/// stiff. Figures: the largest slopes of `state` and `force`, and the `stiffness`, or the `largest
-/// stable scale`.
+/// `steep`, a note that counts records. Figures: the largest slopes of `state` and `force`, and for
+/// a device of b = 2 N s/m at f = 1000 Hz the `largest stable scale`, in model's units of length
+/// for a metre of the hand, and the `shortest stable reach`, in metres along each axis, of a device
+/// whose reach fills the box.
 /// @param forces by record, in newtons; empty: of states alone
-/// @param damping b, N s/m @param rate_hz f
-/// @param scale model's units of length for a metre of the hand
-Check check_steep(const Grid& grid, std::span<const Vec3> forces, double damping, double rate_hz,
-                  std::optional<double> scale = std::nullopt);
+Check check_steep(const Grid& grid, std::span<const Vec3> forces);
 
 }  // namespace hapgrid

@@ -104,12 +104,12 @@ Vec3 sphere_centre(const Frame& frame, std::size_t i) {
 
 /// The force as an arrow that begins outside the HIP: a shaft and a head, as many balls that stand
 /// close together. Those of the head are half balls, so that its back is flat.
-void add_arrow(const Scene& scene, const Frame& frame, const RenderOptions& options,
-               const Projection& project, std::vector<Ball>& balls) {
-  const auto [length, shaft, wide, head] = arrow_sizes(scene, frame, options);
+void add_arrow(const Scene& scene, const Frame& frame, const Projection& project,
+               std::vector<Ball>& balls) {
+  const auto [length, shaft, wide, head] = arrow_sizes(scene, frame);
   if (!(length > 0)) return;
   const Vec3 way = (1 / length_of(frame.force)) * frame.force;
-  const Vec3 from = frame.position + hip_radius(scene, options) * way;
+  const Vec3 from = frame.position + hip_radius(scene) * way;
   const Vec3 seen = project(from + way) - project(from);  // of the length project.scale
   const Vec3 cut = (1 / project.scale) * seen;
   // Half a ray apart they look like one thing; the bound is for absurd lengths.
@@ -207,24 +207,22 @@ void name_turned(const Scene& scene, const Frame& frame, const Projection& proje
 
 }  // namespace
 
-double hip_radius(const Scene& scene, const RenderOptions& options) {
-  if (options.hip_radius > 0) return options.hip_radius;
+double hip_radius(const Scene& scene) {
   return scene.hip_radius > 0 ? scene.hip_radius : size_of(scene.box) / 40;
 }
 
-std::array<double, 4> arrow_sizes(const Scene& scene, const Frame& frame,
-                                  const RenderOptions& options) {
+std::array<double, 4> arrow_sizes(const Scene& scene, const Frame& frame) {
   const double newton = scene.largest_force > 0 ? 0.25 / scene.largest_force : 1.0 / 6;
   const double length = newton * size_of(scene.box) * length_of(frame.force);
   if (!(length > 0) || !std::isfinite(length)) return {};
-  const double hip = hip_radius(scene, options);
+  const double hip = hip_radius(scene);
   return {length, std::min(0.035 * length, 0.2 * hip), std::min(0.12 * length, 0.6 * hip),
           std::min(0.35 * length, 1.7 * hip)};
 }
 
 void add_to_way(const Scene& scene, const Frame& frame, RenderOptions& options) {
   if (!finite(frame.position)) return;
-  const double length = arrow_sizes(scene, frame, options)[0];
+  const double length = arrow_sizes(scene, frame)[0];
   const double part = length > 0 ? length / length_of(frame.force) : 0;
   if (!options.way) options.way = {frame.position, frame.position};
   for (const Vec3& place : {frame.position, frame.position + part * frame.force})
@@ -272,7 +270,7 @@ std::array<double, 3> fit_extent(const Scene& scene, const Frame& frame,
   for (std::size_t i = 0; i < scene.spheres.size(); ++i)
     see(sphere_centre(frame, i), scene.spheres[i].radius);
   const double rightmost = high[0];
-  const double room = options.hip ? hip_radius(scene, options) : 0;
+  const double room = options.hip ? hip_radius(scene) : 0;
   for (int c = 0; c < 8; ++c) {
     Vec3 at = corner(scene.box, c);
     if (options.way)
@@ -340,8 +338,8 @@ Drawing draw(const Scene& scene, const Frame& frame, const Camera& camera,
                kLinePixels * options.supersampling * options.letter_scale, kBoxColour});
   if (options.hip && finite(frame.position)) {
     const Vec3 hip = project(frame.position);
-    const double radius = hip_radius(scene, options);
-    add_arrow(scene, frame, options, project, all.balls);
+    const double radius = hip_radius(scene);
+    add_arrow(scene, frame, project, all.balls);
     all.translucent.push_back({hip, radius * project.scale, kHipColour});
     if (options.sticks && length_of(frame.force) > 0)
       add_touched(scene, frame, radius, project, all.touched);

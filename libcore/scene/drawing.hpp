@@ -58,7 +58,6 @@ struct RenderOptions {
   double azimuth_degrees = Camera{}.azimuth_degrees;  ///< of the camera that fit_camera() makes
   double elevation_degrees = Camera{}.elevation_degrees;
   int supersampling = 3;  ///< rays a pixel and axis
-  double hip_radius = 0;  ///< 0: the scene's own, or a 40th of the box's longest side
   bool box = true;
   bool hip = true;      ///< with the force
   bool legend = true;   ///< the axes, a scale bar and the names of torsions that have turned
@@ -79,14 +78,13 @@ void add_to_way(const Scene& scene, const Frame& frame, RenderOptions& options);
 inline constexpr double kBallPart = 0.25;
 inline constexpr double kStickPart = 0.12;
 
-/// The radius of the ball at the HIP.
-double hip_radius(const Scene& scene, const RenderOptions& options);
+/// The radius of the ball at the HIP: the scene's, or a 40th of the box's longest side.
+double hip_radius(const Scene& scene);
 /// Of the arrow that shows the frame's force, from the HIP's surface on: its length, the radius of
 /// its shaft, and radius and length of its head, which grows with the force. All zero without one.
 /// The grid's largest force is a quarter of the box's longest side long; where it is not known, a
 /// newton is a sixth.
-std::array<double, 4> arrow_sizes(const Scene& scene, const Frame& frame,
-                                  const RenderOptions& options);
+std::array<double, 4> arrow_sizes(const Scene& scene, const Frame& frame);
 
 // No element has these colours in the usual schemes.
 inline constexpr Colour kHipColour{0.85F, 0.1F, 0.55F};

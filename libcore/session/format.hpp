@@ -22,6 +22,8 @@ MessageWords encode_header(const SessionHeader& header);
 /// @param ticks 1 to kChunkTicks, ascending. @param dropped see schemas/session.capnp
 MessageWords encode_ticks(std::span<const TickRecord> ticks, std::uint64_t dropped);
 
+/// Whether the message is the header of a session of any version. @throw FormatError
+bool is_header(const MessageWords& message);
 /// @throw FormatError (without the file's name) for a message of another kind, or with impossible
 /// content.
 SessionHeader decode_header(const MessageWords& message);

@@ -129,11 +129,20 @@ MessageWords encode_header(const SessionHeader& header) {
   });
 }
 
+namespace {
+bool begins_session(session_schema::Message::Reader message) {
+  return message.isHeader() && message.getHeader().getMagic() == kMagic;
+}
+}  // namespace
+
+bool is_header(const MessageWords& message) {
+  return read_message<session_schema::Message>(message, begins_session);
+}
+
 SessionHeader decode_header(const MessageWords& message) {
   return read_message<session_schema::Message>(
       message, [](session_schema::Message::Reader in_message) {
-        if (!in_message.isHeader() || in_message.getHeader().getMagic() != kMagic)
-          throw FormatError("not a session");
+        if (!begins_session(in_message)) throw FormatError("not a session");
         const auto in = in_message.getHeader();
         if (in.getVersion() != kFormatVersion)
           throw FormatError(format("format version {}, this program reads version {}",

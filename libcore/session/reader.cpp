@@ -8,6 +8,20 @@
 
 namespace hapgrid {
 
+bool is_session(const InputFile& file) {
+  std::vector<std::byte> start(
+      std::min<std::uint64_t>(zstd_frame_bound(kHeaderLimit), file.size()));
+  start.resize(file.read(0, start));
+  start.resize(zstd_frame_size(start));
+  MessageWords message;
+  try {
+    decode_zstd_frame(start, kHeaderLimit, "session", message);
+    return is_header(message);
+  } catch (const FormatError&) {
+    return false;
+  }
+}
+
 SessionReader::SessionReader(InputFile file) : file_(std::move(file)) {
   try {
     read_header();

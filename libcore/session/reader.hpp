@@ -13,6 +13,10 @@
 
 namespace hapgrid {
 
+/// Whether a file begins with the header of a session. No more is read than a header can have.
+/// @throw std::system_error
+bool is_session(const InputFile& file);
+
 /// A session ends where its file does. When play was killed, or the disk has damaged the file, the
 /// session ends before the first zstd frame that is cut or damaged; ended_early() says so then. The
 /// memory is that of one chunk.

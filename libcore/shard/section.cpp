@@ -123,6 +123,16 @@ Section read_section(const std::shared_ptr<const InputFile>& file, std::uint64_t
   return section;
 }
 
+/// All of a file, by place.
+std::vector<Section> sections_of(const std::shared_ptr<const InputFile>& file) {
+  require_zstd_frames(*file);
+  std::vector<Section> found;
+  for (std::uint64_t end = file->size(); end > 0; end = found.back().begin)
+    found.push_back(read_section(file, end));
+  std::reverse(found.begin(), found.end());
+  return found;
+}
+
 }  // namespace
 
 std::string Section::name() const { return format("{:016x}{:016x}", digest.high, digest.low); }
@@ -139,13 +149,9 @@ std::uint64_t Section::conversions() const {
 std::vector<Section> open_sections(const std::vector<std::string>& names) {
   std::vector<Section> sections;
   for (const std::string& name : names) {
-    const auto file = std::make_shared<const InputFile>(name);
-    require_zstd_frames(*file);
-    std::vector<Section> found;
-    for (std::uint64_t end = file->size(); end > 0; end = found.back().begin)
-      found.push_back(read_section(file, end));
-    sections.insert(sections.end(), std::make_move_iterator(found.rbegin()),
-                    std::make_move_iterator(found.rend()));
+    std::vector<Section> found = sections_of(std::make_shared<const InputFile>(name));
+    sections.insert(sections.end(), std::make_move_iterator(found.begin()),
+                    std::make_move_iterator(found.end()));
   }
   for (const Section& section : sections) {
     const Section& first = sections.front();
@@ -158,7 +164,11 @@ std::vector<Section> open_sections(const std::vector<std::string>& names) {
 }
 
 Section open_grid(const std::string& name) {
-  const std::vector<Section> sections = open_sections({name});
+  return open_grid(std::make_shared<const InputFile>(name));
+}
+
+Section open_grid(const std::shared_ptr<const InputFile>& file) {
+  const std::vector<Section> sections = sections_of(file);
   const Section& grid = sections.back();
   if (grid.header.content != Content::kGrid)
     throw FormatError(format("{}: holds {} where a grid is needed", grid.file->name(),

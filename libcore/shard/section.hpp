@@ -37,5 +37,6 @@ std::vector<Section> open_sections(const std::vector<std::string>& names);
 
 /// A grid. @throw FormatError also when the input is anything else than one section with a grid.
 Section open_grid(const std::string& name);
+Section open_grid(const std::shared_ptr<const InputFile>& file);
 
 }  // namespace hapgrid

@@ -38,12 +38,11 @@ COMMANDS = {
     "check": ["check-model", MODEL, "--steps", "20", "--format", "json", "-o", "OUT/report"],
     "play": ["play", "complete", "--device", "path:path", "--log", "OUT/log", "--frames", "OUT/frames"],
     "session": ["play", "complete", "--device", "path:path", "--log", "OUT/log.session"],
-    "text": ["stats", "--log", "log.session"],
+    "text": ["stats", "log.session"],
     "view": ["view", "frames", "--png", "OUT/png", "--xyz", "OUT/xyz", "--size", "40x30"],
 }
 PIPED = {"piped": "grid"}  # what comes through standard input
 OLD = {"replaced": "grid"}  # what is there before
-EXITS = {"text": (1, 2)}  # without its first bytes a session is taken for a text, which --log cannot
 # One after the other, some of them appear before others, and none is taken back: whole, and harmless.
 SEVERAL = {"play", "view", "expand"}
 # What is left on purpose: what was felt cannot be made again.
@@ -111,7 +110,7 @@ def is_whole(run, name, good, varying):
         return run.files[name] == good[name]
     path = os.path.join(run.out, name)
     if name.endswith(".session"):  # it tells how long each tick took
-        return subprocess.run(["stats", "--log", path], capture_output=True).returncode == 0
+        return subprocess.run(["stats", path], capture_output=True).returncode == 0
     try:  # reports and costs, with times in them: one object, or one a line, or none of them yet
         json.loads("[" + run.files[name].decode().strip().replace("\n{", ",{") + "]")
         return True
@@ -165,7 +164,7 @@ def wrong_with(run, fault, good, varying):
         return None  # before main()
     if fault == "error=EINTR":
         return f"exit code {run.code} when interrupted: {run.err!r}"
-    if run.code not in EXITS.get(run.name, (1,)) or not re.fullmatch(COMMANDS[run.name][0] + ": [^\n]+\n", run.err):
+    if run.code != 1 or not re.fullmatch(COMMANDS[run.name][0] + ": [^\n]+\n", run.err):
         return f"exit code {run.code}: {run.err!r}"
     left = new - {"stdout"}
     return f"failed, and left {left}: {run.err!r}" if left and run.name not in SEVERAL else None

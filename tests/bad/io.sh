@@ -43,7 +43,7 @@ echo '0 0 0' >path
 expand --complete grid -o whole
 refuses 'play: /dev/zero: byte 0: not a shard: no zstd frame' -- timeout 20 play /dev/zero --device path:path
 refuses 'play: /dev/zero: .*' -- timeout 20 play whole --device replay:/dev/zero
-refuses 'stats: /dev/zero: .*' -- timeout 20 stats --log /dev/zero
+refuses 'stats: /dev/zero: .*' -- timeout 20 stats /dev/zero
 refuses 'seed: missing: No such file or directory' -- seed missing
 refuses 'seed: directory: Is a directory' -- seed directory
 refuses 'seed: standard input: line 1: .*' -- seed - <text

@@ -24,7 +24,7 @@ writers=(
   "merge complete -o d/out"
   "merge --small complete -o d/out"
   "stats medium --npy d/out"
-  "stats --log log.session --npy d/out"
+  "stats log.session --npy d/out"
   "check-model $ball --steps 20 --format json -o d/out"
   "play small --device path:long-path --log d/out"
   "play small --device path:long-path --log d/out.session"

@@ -222,7 +222,7 @@ def all_filters():
     filters("shard", "m", made_of_messages("shard", f"{corpus}/shard/made-*"), [
         ["stats", "m"], ["verify", "m", "--recompute", "none"], ["merge", "m", "-o", "out"], ["expand", "m", "-o", "out"],
         ["view", "m", "--png", "out.png", "--size", "40x30"], ["play", "m", "--device", "path:path"]])
-    filters("session", "m.session", made_of_messages("session", f"{corpus}/session/made-*"), [["stats", "--log", "m.session"], [*played, "replay:m.session"]])
+    filters("session", "m.session", made_of_messages("session", f"{corpus}/session/made-*"), [["stats", "m.session"], [*played, "replay:m.session"]])
     filters("frames", "m", mutants("frames", texts(f"{corpus}/streams/made-frames-*"), count), [["view", "m"], ["view", "m", "--png", "out.png", "--size", "40x30"]])
     filters("definition", "m.toml", mutants("definition", [open("small.toml", "rb").read()], count), [["seed", "m.toml", "-o", "out"]])
     filters("path", "m", mutants("path", texts(f"{corpus}/texts/made-path-*"), count), [[*played, "path:m"]])

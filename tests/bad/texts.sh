@@ -37,7 +37,7 @@ def look(*words, **more):
         text = stream.decode("utf-8")  # an error where it is none
         bad = {f"U+{ord(c):04X}" for c in text if c != "\n" and c in unseen}
         assert not bad, (words[0], bad, text[:400])
-    assert done.stderr.count(b"\n") <= 1 or words[0] == "play" or "--imd" in words, done.stderr
+    assert done.stderr.count(b"\n") <= 1 or words[0] == "play" or "--imd=0" in words, done.stderr
     return done.returncode, done.stdout.decode(), done.stderr.decode()
 
 def toml(name, text):
@@ -79,11 +79,11 @@ for options in (["grid", "--device", "path:" + short], ["grid", "--device", "hid
 code, out, err = look("play", "grid", "--device", "path:path", "--frames", "frames", "--log", "a.session",
                       "--report", "-")
 assert code == 0, (code, out, err)
-code, out, err = look("view", "--imd", "--port", "0", input=open("frames", "rb").read())
+code, out, err = look("view", "--imd=0", input=open("frames", "rb").read())
 assert code == 0 and "energies go out in J??" in err, (code, out, err)
 assert look("view", "frames")[0] == 0
 for form in ("text", "json"):
-    assert look("stats", "--log", "a.session", "--format", form)[0] == 0
+    assert look("stats", "a.session", "--format", form)[0] == 0
 # Programs in Python and in the shell. What is no letter of ASCII is a question mark in the shell's.
 shell = "\x1b]0;title\x07\x9b\u202e\u2028\ufeff\\033[31m"
 for words in (["hapgrid", "molecule", short + ".xyz", "-o", "none"],

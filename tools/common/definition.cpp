@@ -8,12 +8,16 @@
 
 namespace hapgrid {
 
-void add_definition(CommandLine& app, DefinitionOptions& options) {
-  app.add("definition", options.file,
+void add_definition_file(CommandLine& app, std::string& file) {
+  app.add("definition", file,
           "Definition of the model and its grid, which hapgrid-seed(1) explains ('-': standard "
           "input).")
       .type("MODEL.toml")
       .required();
+}
+
+void add_definition(CommandLine& app, DefinitionOptions& options) {
+  add_definition_file(app, options.file);
   app.add("--set", options.overrides,
           "Value of a key of the definition in place of the file's, as in --set grid.spacing=0.025 "
           "or --set 'grid.counts=[80,40,40]'. It can be given several times.")

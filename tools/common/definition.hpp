@@ -18,7 +18,9 @@ struct DefinitionOptions {
   std::vector<std::string> overrides;
 };
 
-/// The positional MODEL.toml and --set KEY=VALUE.
+/// The positional MODEL.toml.
+void add_definition_file(CommandLine& app, std::string& file);
+/// The same, and --set KEY=VALUE.
 void add_definition(CommandLine& app, DefinitionOptions& options);
 
 /// Reads it, and the files that it names beside itself, which must be regular files.

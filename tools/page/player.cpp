@@ -100,7 +100,7 @@ void Player::show() {
     frame.centres[unpacked.moved[i]] = static_cast<float>(traversal.row()[first + i]);
   shown.energy =
       unpacked.by_energy ? force.energy(traversal) : std::numeric_limits<double>::quiet_NaN();
-  shown.arrow = arrow_sizes(scene, frame, {});
+  shown.arrow = arrow_sizes(scene, frame);
   bonds = find_bonds(scene, frame);
   shown.bonds = static_cast<double>(bonds.size());
   frame.angles.clear();

@@ -186,7 +186,7 @@ class BringUp {
     throw Error("bring-up: nobody says which way the device pushes");
   }
 
-  /// As --axes has them. What did not move gets the axis that is left.
+  /// As the key axes has them. What did not move gets the axis that is left.
   std::string axes_text() const {
     std::string text;
     std::array<bool, 3> taken{};

@@ -86,28 +86,17 @@ void add_output_options(CommandLine& app, PlayOptions& options) {
       .writes();
 }
 
-void add_force_options(CommandLine& app, PlayOptions& options) {
-  app.add(
-         "--axes", [&](const std::string& text) { options.axes = read_axes(text); },
-         "Device's axes (x to the right, y away from the user, z up) that the box's x, y and z "
-         "follow, as in -z,x,y. Default: x,y,z.")
-      .type("AXES")
-      .check([](const std::string& text) { return read_axes(text).has_value(); }, "like -z,x,y");
-  add_settings(app, options.given, options.file);
-}
-
 }  // namespace
 
 void add_play_options(CommandLine& app, PlayOptions& options) {
   add_device_options(app, options);
   add_time_options(app, options);
   add_output_options(app, options);
-  add_force_options(app, options);
+  add_settings(app, options.given, options.file);
   app.option("--realtime").needs_one_of({"grid", "--selftest"});
   // Without a grid a device is brought up, or only looked at.
-  for (const char* const of_play :
-       {"--traversal", "--beside", "--allow-process", "--log", "--frames", "--report", "--axes",
-        "--gain", "--max-force", "--scale"})
+  for (const char* const of_play : {"--traversal", "--beside", "--allow-process", "--log",
+                                    "--frames", "--report", "--gain", "--max-force", "--scale"})
     app.option(of_play).needs(app.option("grid"));
 }
 

@@ -25,7 +25,6 @@ struct PlayOptions {
   std::string frames;
   std::string report;
   ModelOptions model;
-  std::optional<Axes> axes;
   GivenSettings given;
   PlayFile file;  ///< of --config
   // Instead of playing.

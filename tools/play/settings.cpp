@@ -240,7 +240,7 @@ std::optional<Axes> read_axes(const std::string& text) {
   return read;
 }
 
-std::string file_text(const PlayFile& file, const GivenSettings& given, bool axes_given) {
+std::string file_text(const PlayFile& file, const GivenSettings& given) {
   std::string text;
   const auto add = [&](std::string_view key, const std::string& value) {
     text += format("{}{} = {}", text.empty() ? "" : ", ", key, value);
@@ -254,7 +254,7 @@ std::string file_text(const PlayFile& file, const GivenSettings& given, bool axe
     if (values.size() > 1) numbers = format("[{}]", numbers);
     add(std::string_view(setting->name).substr(is_option(*setting) ? 2 : 0), numbers);
   }
-  if (!file.axes.empty() && !axes_given) add("axes", file.axes);
+  if (!file.axes.empty()) add("axes", file.axes);
   return format("{} sets {}", file.name, text.empty() ? "nothing" : text);
 }
 
@@ -262,8 +262,8 @@ void add_settings(CommandLine& app, GivenSettings& given, PlayFile& file) {
   // Other filters read the other tables of such a file.
   app.add(
          "--config", [&](const std::string& name) { read_config(name, app, file); },
-         "TOML file whose table [play] has settings: axes, gain, max-force, scale and those of the "
-         "table below. Options on the command line override the file.")
+         "TOML file whose table [play] has settings: gain, max-force, scale and those of the table "
+         "below. Options on the command line override the file.")
       .type("FILE");
   for (const Setting& setting : kSettings) {
     if (!is_option(setting)) continue;
@@ -279,7 +279,10 @@ void add_settings(CommandLine& app, GivenSettings& given, PlayFile& file) {
 }
 
 std::string settings_help() {
-  std::string help;
+  std::string help =
+      "  axes              Device's axes (x to the right, y away from the user, z up) that the "
+      "box's "
+      "x, y and z follow, as in \"-z,x,y\". Default: \"x,y,z\".\n";
   for (const Setting& setting : kSettings) {
     if (is_option(setting)) continue;
     PlaySettings defaults;

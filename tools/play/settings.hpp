@@ -76,7 +76,7 @@ void add_settings(CommandLine& app, GivenSettings& given, PlayFile& file);
 
 /// "NAME sets max-force = 1.5, axes = -z,x,y": what counts of a file beside the command line's
 /// own settings.
-std::string file_text(const PlayFile& file, const GivenSettings& given, bool axes_given);
+std::string file_text(const PlayFile& file, const GivenSettings& given);
 
 /// The other keys of [play] as a table for the help.
 std::string settings_help();

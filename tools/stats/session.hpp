@@ -1,4 +1,4 @@
-// stats --log of a session: report, array.
+// stats of a session: report, array.
 #pragma once
 
 #include <string>

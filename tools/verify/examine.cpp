@@ -23,6 +23,8 @@ namespace hapgrid {
 
 namespace {
 
+constexpr std::uint64_t kSample = 1;  // the seed of what is drawn, which is the same each time
+
 /// A line that counts up to `all` while there is one to show it.
 ProgressLine progress_of(const char* row, const std::atomic<std::uint64_t>& done, std::uint64_t all,
                          const char* unit) {
@@ -61,7 +63,7 @@ Check measure_accuracy(const Grid& grid, const Examination& asked, const MakeMod
                        bool knows_force) {
   std::atomic<std::uint64_t> done{0};
   const ProgressLine progress = progress_of("accurate", done, asked.walks, "walks");
-  const Walked walked = walk_grid(grid, asked.walks, asked.sample_seed, make_model,
+  const Walked walked = walk_grid(grid, asked.walks, kSample, make_model,
                                   traversals(kDefaultRule, grid, make_model), asked.threads, done);
   return check_accurate(grid.spec(), walked, knows_force, asked.accuracy);
 }
@@ -98,7 +100,7 @@ std::vector<Check> examine(const Grid& grid, const Examination& asked) {
   // Is it what the model says?
   std::vector<RecordIndex> sample;
   if (asked.recompute > 0) {
-    sample = sample_records(grid, asked.recompute, asked.sample_seed);
+    sample = sample_records(grid, asked.recompute, kSample);
     add(recompute_conversions(grid, sample, make_model, asked.threads));
     if (is_stored) add(check_stored(grid, sample, make_model, asked.threads));
     add(check_stable(grid, sample, make_model, asked.threads));
@@ -115,7 +117,7 @@ std::vector<Check> examine(const Grid& grid, const Examination& asked) {
     gradient = check_gradient(grid, fields, sample, asked.recompute > 0 ? make_model : MakeModel());
     add(Check(gradient));
   }
-  add(check_steep(grid, fields.force, asked.damping, asked.rate_hz, asked.scale));
+  add(check_steep(grid, fields.force));
   if (knows_force)
     add(prove_passive(grid, branches, fields, gradient,
                       asked.recompute > 0 ? MakeModel(make_model) : MakeModel(), asked.threads));

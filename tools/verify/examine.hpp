@@ -12,12 +12,9 @@ namespace hapgrid {
 
 struct Examination {
   std::uint64_t recompute = 1000;  ///< records; ~0: all
-  std::uint64_t sample_seed = 1;
   std::uint64_t walks = 0;
   std::optional<double> accuracy;
   int threads = 1;
-  double damping = 2, rate_hz = 1000;  ///< of the device, see check_steep()
-  std::optional<double> scale{};       ///< model's units of length for a metre of the hand
   ModelOptions model;
 };
 

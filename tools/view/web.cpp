@@ -221,7 +221,7 @@ int WebServer::speak(lws* wsi) {
 
 void WebServer::show() {
   newest_ = std::make_shared<const std::string>(
-      script_of({{"frame", page_frame(feed_->scene(), frame_, options_.render)}}));
+      script_of({{"frame", page_frame(feed_->scene(), frame_)}}));
   for (auto& [wsi, client] : clients_) {
     client.frames.push_back(newest_);
     if (client.frames.size() > kMostWaiting) client.frames.pop_front();

@@ -30,7 +30,7 @@ run 0 stats-grid.1 stats ball.grid --format json --cost cost
 printf '%s\n' '-0.7 0.1 0' '-0.5 0.1 0' '-0.4 0 0' '-0.2 0 0' >path
 run 0 play.1 play ball.grid --device path:path --rate 2000 --report - --frames frames --log a.session
 run 0 play.2 play ball.grid --device path:path --traversal model --report -
-run 0 stats-session.1 stats --log a.session --format json
+run 0 stats-session.1 stats a.session --format json
 
 /usr/bin/python3 - "$HAPGRID_SOURCE/schemas" <<'PYTHON'
 import glob

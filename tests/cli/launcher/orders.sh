@@ -23,14 +23,14 @@ for tool in seed expand merge verify stats play view check-model molecule-check;
     refuses "$missing" -- $tool $option $value $option $value no-such "${more[@]}" </dev/null
   done
 done
-same "options that can be repeated" " seed--set stats--cost check-model--set molecule-check--set" "$found"
+same "options that can be repeated" " seed--set stats--cost check-model--set" "$found"
 # Numbers with commas between them are one value.
 for order in "--xyz 0.5,0,0,1 no-such" "no-such --xyz 0.5,0,0,1"; do
   refuses "molecule-check: no-such: No such file or directory" -- molecule-check $order
 done
 
 seed "$ball" --set 'grid.counts=[4,3,2]' -o g
-for command in "seed -" expand "expand --complete" merge "merge -" verify stats "stats --log -" view \
+for command in "seed -" expand "expand --complete" merge "merge -" verify stats view \
   "play - --device path:path" "check-model -" "stats g --cost -" "verify /dev/stdin" "expand /dev/stdin" \
   "merge g /dev/tty" "molecule-check -" "play g --device path:/dev/stdin" "view /dev/tty"; do
   script -qec "$command 2>err" /dev/null </dev/null >/dev/null || true

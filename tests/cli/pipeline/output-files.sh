@@ -144,7 +144,7 @@ verify grid --allow-process my.toml -o my.toml
 stats grid -o grid
 stats grid --npy ./grid
 stats grid --cost cost -o cost
-stats --log my.session -o my.session
+stats my.session -o my.session
 view frames --xyz frames
 view frames --png frames
 view frames --html frames

@@ -27,10 +27,10 @@ settings own.toml 'safety.ramp = 600' 'safety.reserve = 0.5'
 play grid --config own.toml --max-force 0.05 --gain 0.5 --device path:path --log here 2>err
 cmp here there
 same "the file's settings" "play: own.toml sets safety.ramp = 600, safety.reserve = 0.5" "$(head -1 err)"
-play grid --config model.toml --device path:path --max-force 0.1 --axes x,y,z 2>err
+play grid --config model.toml --device path:path --max-force 0.1 2>err
 grep -q ' 0.1 N sent' err || fail "the command line counts more: $(cat err)"
 same "the file's settings" "play: model.toml sets gain = 0.5, mapping.offset = [0.1,0,0], \
-safety.ramp = 600, safety.reserve = 0.5" "$(head -1 err)"
+safety.ramp = 600, safety.reserve = 0.5, axes = -z,x,y" "$(head -1 err)"
 settings empty.toml
 play grid --config empty.toml --device path:path 2>err
 same "an empty table" "play: empty.toml sets nothing" "$(head -1 err)"

@@ -97,7 +97,7 @@ end = next(i for i in range(len(ticks)) if ticks[i][1] == ticks[-1][1])
 assert end > 10 and len(ticks) - end > 10 and all(y == z == 0 for _, _, y, z in ticks), (end, len(ticks))
 for (t0, x0, *_), (t1, x1, *_) in zip(ticks[:end], ticks[1:end]):
     assert abs(x1 - x0 + 0.2 * (t1 - t0)) < 1e-9, (t0, x0, t1, x1)  # texts have 17 digits
-flags = subprocess.run(["stats", "--log", "mouse.session"], check=True, capture_output=True, text=True)
+flags = subprocess.run(["stats", "mouse.session"], check=True, capture_output=True, text=True)
 for flag in "reset", "next":
     assert re.search(rf"^flag {flag} +[1-9]", flags.stdout, re.M), flags.stdout
 print("SpaceMouse:", end, "ticks, to x =", ticks[-1][1], "then", len(ticks) - end, "at rest")

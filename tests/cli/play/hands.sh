@@ -29,7 +29,7 @@ cmp replayed log
 # stats counts the same energy: exactly so when a force is in effect at once, with the encoder's positions.
 sed 's/delay = 1/delay = 0/' sim.toml >prompt.toml
 "$hands" grid prompt.toml "${plain[@]}" --log prompt.session --sessions prompt 2>/dev/null
-stats --log prompt.session --format json >energy
+stats prompt.session --format json >energy
 python3 - <<'PYTHON'
 import json
 said = json.load(open("energy"))["energy"]

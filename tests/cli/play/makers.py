@@ -72,7 +72,7 @@ def good(adapter, last):
     x, y, z = (float(number) for number in text[-1].split("\t")[1:4])
     assert x < 0 < z < y, (adapter, x, y, z)
     assert abs(y / x + 10 / 25) < 1e-9 and abs(z / x + 5 / 25) < 1e-9, (adapter, x, y, z)
-    flags = subprocess.run(["stats", "--log", f"{adapter}.session"], check=True, capture_output=True, text=True).stdout
+    flags = subprocess.run(["stats", f"{adapter}.session"], check=True, capture_output=True, text=True).stdout
     assert re.search(r"^flag clutch +0 (.*\n)+flag next +[1-9]", flags, re.M), flags  # the second button
     print(f"{adapter}: {len(heard)} forces that differ, the last {heard[-len(last):]}")
 

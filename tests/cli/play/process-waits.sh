@@ -45,7 +45,7 @@ hanging_model() {
   ends $! "a model that hangs"
   grep -q '^play: the model beside the grid hangs: play ends without it$' stderr || fail "$(cat stderr)"
   grep -q '^play: [0-9]* ticks\?, ' stderr || fail "$(cat stderr)"
-  stats --log a.session >/dev/null
+  stats a.session >/dev/null
   rm hang
 }
 full_pipe() {

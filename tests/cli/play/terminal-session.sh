@@ -12,5 +12,5 @@ for _ in {1..11}; do on send-keys Right; sleep 0.1; done
 wait_line '^t [0-9.]+ s   force 0\.[0-9]+ N' err
 on send-keys -l q
 wait_line '^codes 0 0$' err
-stats --log log.session >report
+stats log.session >report
 grep -qE '^flag safety_fault +0 ' report || fail "$(cat report)"

@@ -32,7 +32,7 @@ PYTHON
 printf '%s\n' '-0.7 0.1 0' '-0.5 0.1 0.1' '-0.3 0.1 0.1' >path
 play grid --device path:path --log a.session 2>/dev/null
 python3 "$here/session.py" text a.session >text
-stats --log a.session --npy ticks.npy
+stats a.session --npy ticks.npy
 /usr/bin/python3 - <<'PYTHON'
 import numpy as np
 ticks = np.load("ticks.npy")

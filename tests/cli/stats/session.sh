@@ -18,11 +18,11 @@ lateness            p50 0.100, p99 4294967.295, p99.9 4294967.295, max 4294967.2
 compute time        p50 0.002, p99 0.004, p99.9 0.004, max 0.004 µs
 flag clutch         1 (25.000 %)
 flag safety_clamped 1 (25.000 %)
-flag level_changed  1 (25.000 %)" '' -- stats --log known
-stats --log known >report
-stats --log - <known | cmp report -
-stats --log - < <(cat known) | cmp report -
-stats --log known --format json >json
+flag level_changed  1 (25.000 %)" '' -- stats known
+stats known >report
+stats - <known | cmp report -
+stats - < <(cat known) | cmp report -
+stats known --format json >json
 python3 - <<'END'
 import json
 r = json.load(open("json"))
@@ -46,12 +46,12 @@ same "messages" 4 "$(zstd -dc long | capnp decode --short "$HAPGRID_SOURCE/schem
 # A play that was killed, in the middle of its last write: the whole chunks, and a line that says so.
 size=$(($(stat -c %s long) * 3 / 4))
 head -c "$size" long >cut
-stats --log cut >report
+stats cut >report
 grep -qE "^ended early +at byte [0-9]+ of $size: a zstd frame is cut\$" report || fail "cut: $(cat report)"
 grep -qE '^ticks +(4096|8192), from 0 s' report || fail "cut: $(cat report)"
 expect 0 '' "~stats: cut: the session ended early, at byte [0-9]+ of $size: a zstd frame is cut" -- \
-  stats --log cut --npy part
-stats --log long --npy whole
+  stats cut --npy part
+stats long --npy whole
 /usr/bin/python3 -c 'import numpy; part, whole = map(numpy.load, ("part", "whole"))
 assert len(part) in (4096, 8192) and (part == whole[:len(part)]).all(), len(part)'
 
@@ -60,10 +60,11 @@ if sanitized; then SLOW=1; fi
 export SLOW
 session bad known
 
-see='\(see stats --help\)'
-printf '# t\tx\ty\tz\n0\t1\t2\t3\n1\t1\t2\t3\n' >log
-refuses 'stats: log: not a session; hapgrid plot draws a log that is text' -- stats --log log
-seed "$ball" -o seeds
-refuses 'stats: seeds: byte 0: not a session' -- stats --log seeds
-refuses 'stats: .*No space left on device' -- stats --log long --npy /dev/full
-refuses 'stats: .*No space left on device' -- stats --log known -o /dev/full
+see='(see stats --help)'
+echo '{}' >cost
+for option in '--get records' '--cost cost'; do
+  # shellcheck disable=SC2086  # words
+  expect 2 '' "stats: known: is a session; --get and --cost are for grids $see" -- stats known $option
+done
+refuses 'stats: .*No space left on device' -- stats long --npy /dev/full
+refuses 'stats: .*No space left on device' -- stats known -o /dev/full

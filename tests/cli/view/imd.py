@@ -63,7 +63,7 @@ class View:
     """view --imd of a file; `port` is the one that the system chose."""
 
     def __init__(self, frames):
-        self.process = subprocess.Popen(["view", frames, "--imd", "--port", "0"], stderr=subprocess.PIPE, text=True)
+        self.process = subprocess.Popen(["view", frames, "--imd=0"], stderr=subprocess.PIPE, text=True)
         line = self.process.stderr.readline()
         match = re.fullmatch(r"view: IMD on 127\.0\.0\.1:(\d+)\n", line)
         assert match, line + self.process.stderr.read()
@@ -196,7 +196,7 @@ def in_use():
         other.listen()
         port = other.getsockname()[1]
         # libwebsockets loses 72 bytes when it cannot bind.
-        done = subprocess.run(["view", "/dev/null", "--imd", "--port", str(port)], capture_output=True, text=True,
+        done = subprocess.run(["view", "/dev/null", f"--imd={port}"], capture_output=True, text=True,
                               env={**os.environ, "ASAN_OPTIONS": "detect_leaks=0"})
     assert done.returncode == 1 and done.stdout == ""
     assert done.stderr == f"view: cannot listen on port {port} of 127.0.0.1: is another program there?\n", done.stderr

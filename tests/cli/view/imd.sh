@@ -19,7 +19,7 @@ python3 "$here/imd.py" spring "$frames" spring.frames
 play grid --device path:path --frames - 2>/dev/null | expect 0 '' "~view: IMD on 127.0.0.1:[0-9]+
 view: IMD: lengths go out in rope lengths, viewers take them for angstrom
 view: IMD: energies go out in N rope lengths, viewers take them for kcal/mol
-view: IMD viewers 0, frames sent 0" -- view --imd --port 0
+view: IMD viewers 0, frames sent 0" -- view --imd=0
 # Refused.
 help='\(see view --help\)'
 expect 2 '' "~view: --png excludes --imd $help" -- view x.frames --imd --png a.png

@@ -4,12 +4,13 @@ source "$(dirname "$0")/../lib.sh"
 export ASAN_OPTIONS=detect_leaks=0 VALGRIND_OPTS=--leak-check=no # what libwebsockets keeps at the end is its own
 seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete -o grid
 see='(see view --help)'
-for option in '--port 80' '--address 127.0.0.1'; do
-  # shellcheck disable=SC2086  # words
-  expect 2 '' "view: ${option%% *} requires --web or --imd $see" -- view frames $option
+for place in here 0.0.0.0 here:80 ::1:80 127.1:80 65536 -1 127.0.0.1: 80:127.0.0.1 ' 80'; do
+  for option in --web --imd; do
+    expect 2 '' "view: $option: '$place' is not an IPv4 address and a port, like 8888 or 127.0.0.1:8888 $see" \
+      -- view frames $option="$place"
+  done
 done
 expect 2 '' "view: --png excludes --web $see" -- view frames --web --png x
-expect 2 '' "view: --address: 'here' is not an IPv4 address $see" -- view frames --web --address here
 echo '0 0 0' >path
 play grid --device path:path --frames frames 2>/dev/null
 # A port that another one has, and an address that others reach.
@@ -17,7 +18,7 @@ view frames --web >address &
 first=$!
 wait_for 60 "address" grep -q http address
 port=$(sed -E 's|.*:([0-9]+)/.*|\1|' address)
-refuses "view: cannot listen on port $port of 127.0.0.1: is another program there\?" -- view frames --web --port "$port"
+refuses "view: cannot listen on port $port of 127.0.0.1: is another program there\?" -- view frames --web="$port"
 kill $first
 wait $first || :
 rm address
@@ -29,7 +30,7 @@ same 'the tunnel' "~view: over ssh: on your own machine, ssh -L $port:127\.0\.0\
 kill $first
 wait $first || :
 rm address
-view frames --web --address 0.0.0.0 >address 2>err &
+view frames --web=0.0.0.0:0 >address 2>err &
 first=$!
 wait_for 60 "address" grep -q http address
 kill $first

@@ -49,7 +49,7 @@ browse --screenshot=shot.png "file://$PWD/x.html#t=0.12"
 same "size" "400 x 573" "$(/usr/bin/python3 "$here/png.py" size shot.png)"
 view x.frames --at 0.12 --size 400x300 --png drawn.png
 /usr/bin/python3 "$here/png.py" near shot.png drawn.png 0.06 0.012
-view x.frames --at 0.12 --size 400x300 --png drawn.png --azimuth 31
+view x.frames --at 0.12 --size 400x300 --png drawn.png --from 31,20
 /usr/bin/python3 "$here/png.py" near shot.png drawn.png 0.06 0.012 2>/dev/null && fail "compares nothing"
 # Balls and sticks.
 view x.frames --style sticks --html sticks.html

@@ -19,10 +19,7 @@ play grid --device path:corners --frames corners.frames 2>/dev/null
 capnp decode --short "$frames" Message <corners.frames | sed -n '12p;$p' | capnp encode "$frames" Message >corners
 picture() { cat "$1" corners >"$1.boxed"; view "$1.boxed" --at 0 --png "${@:2}"; }
 time_s=$(capnp decode --short "$frames" Message <two | sed -nE 's/.*time = ([0-9.]+),.*/\1/p')
-# A radius that a few cells show.
-how="--hip-radius 0.15"
-# shellcheck disable=SC2086
-picture one one.png --size 640x368 $how
+picture one one.png --size 640x368
 
 see='(see view --help)'
 refuses 'view: --terminal: standard output is not a terminal; --png draws a frame into a file' -- \
@@ -54,7 +51,7 @@ shows() {
 }
 
 # True colour: the picture, then the numbers in the last line.
-start "COLORTERM=truecolor view live --terminal $how"
+start "COLORTERM=truecolor view live --terminal"
 wait_line '^t '
 shows one.png 80 23
 grep -q '38;2;' capture || fail "no true colour"
@@ -71,8 +68,7 @@ wait_line "^t ${time_s}0* s "
 for size in 60x18 131x48 61x18 67x23 79x24 83x31 97x40 113x47; do
   columns=${size%x*} rows=$((${size#*x} - 1))
   on resize-window -x "$columns" -y "${size#*x}"
-  # shellcheck disable=SC2086
-  picture two two.png --size $((8 * columns))x$((16 * rows)) $how
+  picture two two.png --size $((8 * columns))x$((16 * rows))
   wait_for 60 "picture of $size" shows two.png "$columns" "$rows"
 done
 on resize-window -x 80 -y 24
@@ -134,19 +130,18 @@ usual
 
 # Sixels, forced: what is sent is decoded.
 needs script bsdutils
-shown() { script -qec "stty cols 80 rows 22; view one.boxed --terminal=$1 $how" /dev/null </dev/null >out; }
+shown() { script -qec "stty cols 80 rows 22; view one.boxed --terminal=$1" /dev/null </dev/null >out; }
 shown sixel
-# shellcheck disable=SC2086
-view one.boxed --png low.png --size 640x336 $how
+view one.boxed --png low.png --size 640x336
 python3 "$here/terminal.py" sixel out low.png
 # xterm leaves sixels that are wider than 1,000 pixels blank.
-script -qec "stty cols 260 rows 70; view one --terminal=sixel $how" /dev/null </dev/null >wide
+script -qec "stty cols 260 rows 70; view one --terminal=sixel" /dev/null </dev/null >wide
 python3 - <<'PYTHON'
 import re
 sizes = [int(size) for size in re.findall(rb'\x1bP[0-9;]*q"\d+;\d+;(\d+);\d+', open("wide", "rb").read())]
 assert sizes and 500 < max(sizes) <= 1000, sizes
 PYTHON
 # Block letters are for locales that have them.
-LC_ALL=C script -qec "stty cols 80 rows 24; view one --terminal=symbols $how" /dev/null </dev/null >plain
+LC_ALL=C script -qec "stty cols 80 rows 24; view one --terminal=symbols" /dev/null </dev/null >plain
 LC_ALL=C grep -q 'force' plain || fail "no picture in the locale C"
 ! LC_ALL=C grep -qP '[\x80-\xff]' plain || fail "letters that the locale C does not have"

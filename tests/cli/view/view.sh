@@ -59,14 +59,12 @@ for at in 0.101 0.13 0.1399; do view x.frames --png - --at $at | cmp - at.png; d
 view x.frames --png - --at 0.02 | cmp - <(view x.frames --png - --at 0)
 cmp -s at.png last.png && fail "all frames look the same"
 # Pushed at x = 0.3: the ball (yellow) is right of the HIP (magenta), the arrow (teal) points to the left.
-view x.frames --at 0.12 --azimuth 0 --elevation 0 --size 640x320 --hip-radius 0.1 \
-  --png front.png
+view x.frames --at 0.12 --from 0,0 --size 640x320 --png front.png
 same "size" "640 x 320" "$(/usr/bin/python3 "$here/png.py" size front.png)"
 /usr/bin/python3 "$here/png.py" order front.png teal magenta yellow
-view x.frames --at 0.12 --azimuth 180 --elevation -5 --size 640x320 --hip-radius 0.1 \
-  --png back.png
+view x.frames --at 0.12 --from 180,-5 --size 640x320 --png back.png
 /usr/bin/python3 "$here/png.py" order back.png yellow magenta teal
-expect 0 '' '' -- view x.frames --png tiny.png --size 1x1 --azimuth -30
+expect 0 '' '' -- view x.frames --png tiny.png --size 1x1 --from -30,20
 same "size" "1 x 1" "$(/usr/bin/python3 "$here/png.py" size tiny.png)"
 
 # Refused: one line, and no file is left.
@@ -102,12 +100,10 @@ for size in 800 x600 800x 0x1 1x8193 -1x1 1x1x1 axb; do
   expect 2 '' "view: --size: '$size' is not like 800x600, at most 8192 each $see" \
     -- view x.frames --png x --size=$size
 done
-expect 2 '' "view: --elevation: '91' is not an angle from -90 to 90 degrees $see" \
-  -- view x.frames --png x --elevation 91
-expect 2 '' "view: --azimuth: 'nan' is not an angle from -360 to 360 degrees $see" \
-  -- view x.frames --png x --azimuth nan
-expect 2 '' "view: --hip-radius: '0' is not a length from 1e-12 to 1e12 $see" \
-  -- view x.frames --png x --hip-radius 0
+for from in 30 30,91 361,20 nan,20 30,nan 30,20,10 30, ,20 '30, 20'; do
+  expect 2 '' "view: --from: '$from' is not like 30,20: degrees from -360 to 360 and from -90 to 90 $see" \
+    -- view x.frames --png x --from="$from"
+done
 expect 2 '' "view: --hip-label: 'X 1' is not a letter, then letters or digits $see" \
   -- view x.frames --xyz x --hip-label 'X 1'
 

@@ -21,7 +21,7 @@ TEST_CASE("no interpolated force is stiffer, and an edge is as steep") {
   std::vector<Vec3> forces;
   for (RecordIndex r = 0; r < grid.records(); ++r)
     forces.push_back({uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1)});
-  const Check check = check_steep(grid, forces, 2, 1000);
+  const Check check = check_steep(grid, forces);
   CHECK(check.is_note);
   CHECK(check.found.counted == grid.records());
   const double stiffness = 4000 / figure(check, "largest stable scale");
@@ -60,7 +60,7 @@ TEST_CASE("no interpolated force is stiffer, and an edge is as steep") {
   CHECK(figure(check, "state") == Approx(state));
 
   // Without forces the states remain.
-  const Check states = check_steep(grid, {}, 2, 1000);
+  const Check states = check_steep(grid, {});
   CHECK(states.figures.size() == 1);
   CHECK(figure(states, "state") == figure(check, "state"));
   // Two components, compared by the plug-in itself: in which unit is not known.
@@ -73,16 +73,11 @@ TEST_CASE("a device is stable below K = 2 b f and not above") {
   std::vector<Vec3> forces;
   for (RecordIndex r = 0; r < grid.records(); ++r)
     forces.push_back({-100 * grid.box().position(grid.point(r))[0], 0, 0});
-  const Check free = check_steep(grid, forces, 2, 1000);
+  const Check free = check_steep(grid, forces);
   CHECK(figure(free, "force") == Approx(100));
   CHECK(figure(free, "largest stable scale") == Approx(2 * 2 * 1000 / 100.0));
+  // The box is three spacings long in x; 4000 N/m are 100 N a length at 40 lengths a metre.
+  CHECK(figure(free, "shortest stable reach") == Approx(3 * kSpacing / 40));
   CHECK(free.found.offenders == 0);
-  const Check stable = check_steep(grid, forces, 2, 1000, 39);
-  CHECK(figure(stable, "stiffness") == Approx(100 * 39));
-  CHECK(stable.figures.back().where.substr(0, 7) == "stable:");
-  CHECK(stable.found.offenders == 0);
-  const Check not_stable = check_steep(grid, forces, 2, 500, 39);
-  CHECK(not_stable.figures.back().where.substr(0, 11) == "not stable:");
-  CHECK(not_stable.found.offenders == not_stable.found.counted);
-  CHECK(is_fine({not_stable}));
+  CHECK(is_fine({free}));
 }

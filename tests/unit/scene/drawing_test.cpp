@@ -20,10 +20,11 @@ Scene scene_of(const std::vector<float>& radii) {
 }  // namespace
 
 TEST_CASE("between sticks, the spheres that touch the HIP from outside are whole") {
-  const Scene scene = scene_of({0.4F, 0.4F});
+  Scene scene = scene_of({0.4F, 0.4F});
+  scene.hip_radius = 0.1;
   Frame frame;
   frame.centres = {0.5F, 0, 0, -0.8F, 0, 0};
-  RenderOptions options{.hip_radius = 0.1, .sticks = true};
+  RenderOptions options{.sticks = true};
   const Camera camera{0, 0, {0, 0, 0}, 1.5};
   const auto touched = [&] { return draw(scene, frame, camera, options).touched; };
   CHECK(touched().empty());  // no force acts
@@ -40,15 +41,12 @@ TEST_CASE("between sticks, the spheres that touch the HIP from outside are whole
 }
 
 TEST_CASE("the pictures of a play show the spheres and where the HIP is, not the whole box") {
-  const Scene scene = scene_of({0.5F});
+  Scene scene = scene_of({0.5F});
+  scene.hip_radius = 0.2;
   Frame frame;
   frame.centres = {0, 0, 0};
-  RenderOptions options{.width = 300,
-                        .height = 300,
-                        .azimuth_degrees = 0,
-                        .elevation_degrees = 0,
-                        .hip_radius = 0.2,
-                        .legend = false};
+  RenderOptions options{
+      .width = 300, .height = 300, .azimuth_degrees = 0, .elevation_degrees = 0, .legend = false};
   CHECK(fit_camera(scene, frame, options).half_width == Approx(1.06 * 10.2));
   for (const double x : {2.0, -1.0}) {
     frame.position = {x, 0, 0};

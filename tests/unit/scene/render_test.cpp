@@ -84,8 +84,8 @@ TEST_CASE("HIP, force and box are there, and can be left out") {
   stage.scene.box = {{-1, -1, -1}, 1, {3, 3, 3}};
   stage.frame.position = {0, 0, 0};
   stage.frame.force = {0, 0, 1};
-  stage.options = {
-      .width = 300, .height = 300, .azimuth_degrees = 0, .elevation_degrees = 0, .hip_radius = 0.2};
+  stage.scene.hip_radius = 0.2;
+  stage.options = {.width = 300, .height = 300, .azimuth_degrees = 0, .elevation_degrees = 0};
   stage.camera = fit_camera(stage.scene, stage.frame, stage.options);
   CHECK(stage.camera.half_width == Approx(1.06 * 1.2));
   const auto pixel = [&](double u) { return static_cast<int>(150 + u * 150 / (1.06 * 1.2)); };
@@ -221,7 +221,8 @@ TEST_CASE("the floor has the shadows of what is above it, seen from above") {
 TEST_CASE("a hand is a ring, and a thread to the HIP") {
   Stage stage;
   stage.scene.box = {{-1, -1, -1}, 1, {3, 3, 3}};
-  stage.options = {.width = 200, .height = 200, .hip_radius = 0.1, .box = false, .legend = false};
+  stage.scene.hip_radius = 0.1;
+  stage.options = {.width = 200, .height = 200, .box = false, .legend = false};
   stage.camera = {.azimuth_degrees = 0, .elevation_degrees = 0, .half_width = 2};
   stage.frame.position = {0, 0, 0};
   CHECK(stage.render().at(130, 100) == kWhite);
@@ -333,8 +334,8 @@ TEST_CASE(
 TEST_CASE("the box and the model fill the picture, wherever the HIP is") {
   Stage stage;
   stage.scene.box = {{-9, -9, -9}, 1, {19, 19, 19}};
-  stage.options = {
-      .width = 200, .height = 100, .azimuth_degrees = 0, .elevation_degrees = 0, .hip_radius = 0.5};
+  stage.scene.hip_radius = 0.5;
+  stage.options = {.width = 200, .height = 100, .azimuth_degrees = 0, .elevation_degrees = 0};
   stage.add(2, 0, 0, 0.4F, {1, 0, 0});
   const auto fitted = [&] { return fit_camera(stage.scene, stage.frame, stage.options); };
   for (const Vec3& place : {Vec3{2, -0.5, 0}, Vec3{-9, 9, 9}}) {

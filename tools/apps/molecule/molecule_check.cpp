@@ -23,7 +23,7 @@ using namespace hapgrid;
 using namespace hapgrid::molecule;
 
 struct Options {
-  DefinitionOptions definition;
+  std::string definition;
   std::vector<std::string> shape;
   std::string format = "text";
 };
@@ -203,7 +203,7 @@ class Checker {
 };
 
 int run(const Options& options) {
-  const Definition definition = load_definition(options.definition, "-");
+  const Definition definition = load_definition({options.definition, {}}, "-");
   const Setup setup = setup_of(definition);
   Checker checker(definition, setup);
   if (options.shape.empty())
@@ -239,7 +239,7 @@ int main(int argc, char** argv) {
                "when the morph misses a node by more than 1e-6 Å RMS; or when the probe touches\n"
                "the conformation in a corner of the box, or what is held is not inside.\n",
                "  3  read everything, and something is not sane\n");
-  add_definition(app, options.definition);
+  add_definition_file(app, options.definition);
   app.add("--format", options.format, "How the report is written")
       .one_of({"text", "json"})
       .shows_default();

@@ -123,22 +123,17 @@ def write_vti(grid: str | os.PathLike[str], path: str | os.PathLike[str], level:
 def _arrays(path: str) -> dict[str, Any]:
     import numpy
 
-    told = []
-    kinds: list[list[str]] = [[], ["--log", "-"]]
-    for kind in kinds:
-        with open(path, "rb") as file:
-            result = subprocess.run([program("stats"), *kind, "--npy", "-"], stdin=file, capture_output=True, check=False)
-        if result.returncode == 0:
-            rows = numpy.load(io.BytesIO(result.stdout))
-            if kind:
-                return {"ticks": rows}
-            words = [program("stats"), os.path.abspath(path), "--format", "json"]
-            known = json.loads(subprocess.run(words, capture_output=True, check=True).stdout)
-            box = {name: numpy.array(value) for name, value in known["box"].items()}
-            return Grid({name: rows[name] for name in rows.dtype.names} | box, known)
-        told.append(result.stderr.decode(errors="replace").strip())
-    why = told[0] if "not a session" in told[1] or "--log" in told[1] else told[1]
-    raise ValueError(f"{path}: {why}")
+    with open(path, "rb") as file:
+        result = subprocess.run([program("stats"), "--npy", "-"], stdin=file, capture_output=True, check=False)
+    if result.returncode != 0:
+        raise ValueError(f"{path}: {result.stderr.decode(errors='replace').strip()}")
+    rows = numpy.load(io.BytesIO(result.stdout))
+    if "t" in rows.dtype.names:
+        return {"ticks": rows}
+    words = [program("stats"), os.path.abspath(path), "--format", "json"]
+    known = json.loads(subprocess.run(words, capture_output=True, check=True).stdout)
+    box = {name: numpy.array(value) for name, value in known["box"].items()}
+    return Grid({name: rows[name] for name in rows.dtype.names} | box, known)
 
 
 def _replayed(path: str, grid: str) -> Any:

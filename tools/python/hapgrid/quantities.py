@@ -75,7 +75,7 @@ class Play:
         self.report: Any = None
         with open(self.path, "rb") as file:
             if file.read(4) == b"\x28\xb5\x2f\xfd":  # zstd: a session
-                self.report = report("--log", self.path)
+                self.report = report(self.path)
         self.units = {"length": (self.report or {}).get("length_unit", ""), "energy": "", "state": ""}
         if grid is not None:
             known = report(os.fspath(grid))

@@ -83,7 +83,7 @@ Json page_scene(const Scene& scene, const Frame& frame, const RenderOptions& opt
                {"high", box.high()},
                {"hand_low", hand_low},
                {"hand_high", hand_high},
-               {"hip_radius", hip_radius(scene, options)},
+               {"hip_radius", hip_radius(scene)},
                {"full_force", scene.largest_force},
                {"hip_rgb", kHipColour},
                {"hip_opacity", kHipOpacity},
@@ -141,7 +141,7 @@ Json page_scene(const Scene& scene, const Frame& frame, const RenderOptions& opt
   return data;
 }
 
-Json page_frame(const Scene& scene, const Frame& frame, const RenderOptions& options) {
+Json page_frame(const Scene& scene, const Frame& frame) {
   // To a thousandth of the grid's spacing, or finer.
   const double parts = std::pow(10, 3 - std::floor(std::log10(scene.box.spacing)));
   Json centres = Json::array(), turned = Json::array();
@@ -159,7 +159,7 @@ Json page_frame(const Scene& scene, const Frame& frame, const RenderOptions& opt
           {"hand", frame.hand},
           {"energy", frame.energy},
           {"own", frame.own_energy},
-          {"arrow", arrow_sizes(scene, frame, options)},
+          {"arrow", arrow_sizes(scene, frame)},
           {"centres", centres},
           {"bonds", find_bonds(scene, frame)},
           {"status", status_text(scene, frame)},

@@ -22,8 +22,7 @@ nlohmann::ordered_json page_scene(const Scene& scene, const Frame& frame,
 /// A frame: the HIP is held in the box; arrow has the arrow_sizes(); centres are x y z by sphere,
 /// and bonds pairs of spheres; status is a line of numbers for people; turned has for each torsion
 /// that has turned the two spheres of its bond and its name. What is not finite is null.
-nlohmann::ordered_json page_frame(const Scene& scene, const Frame& frame,
-                                  const RenderOptions& options);
+nlohmann::ordered_json page_frame(const Scene& scene, const Frame& frame);
 
 /// The page with the text of its data, and those of frames with commas between them.
 /// @param packed JSON: the grid that the page plays by itself, and its player
