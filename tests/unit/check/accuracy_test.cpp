@@ -1,10 +1,5 @@
 #include "libcore/check/accuracy.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-
-#include "libcore/base/error.hpp"
 #include "libcore/follow/paper_traversal.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/check/tiny_grid.hpp"

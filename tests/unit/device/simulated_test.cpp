@@ -1,9 +1,5 @@
 #include "tests/bench/simulated.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <functional>
-
 #include "tests/unit/catch.hpp"
 
 using namespace hapgrid;

@@ -1,9 +1,6 @@
 // A ligand whose bonds turn, against closed forms and differences.
-#include <cmath>
 #include <cstdio>
 #include <hapgrid/plugin.hpp>
-#include <random>
-#include <string>
 
 #include "tests/unit/catch.hpp"
 #include "tools/apps/docking/pose.hpp"

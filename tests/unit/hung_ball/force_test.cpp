@@ -1,4 +1,3 @@
-#include <limits>
 
 #include "tests/unit/catch.hpp"
 #include "tests/unit/hung_ball/reference.hpp"

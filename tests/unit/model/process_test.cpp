@@ -2,12 +2,9 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <chrono>
 
-#include "libcore/base/error.hpp"
 #include "libcore/model/process_model.hpp"
 #include "tests/unit/catch.hpp"
-#include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::testing;

@@ -1,12 +1,7 @@
 // The lines of a model process (libcore/model/protocol.hpp).
 #include "libcore/model/protocol.hpp"
 
-#include <cmath>
-#include <limits>
-
-#include "libcore/base/error.hpp"
 #include "tests/unit/catch.hpp"
-#include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::testing;
