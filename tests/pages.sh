@@ -50,7 +50,7 @@ hapgrid, *pages = sys.argv[1:]
 tools = "seed expand merge rounds verify stats play view check-model plot feel init molecule table dock".split()
 option = r"(?<![\w-])--[a-z][a-z-]*[a-z]"
 others = set("""--array --build --cores --cpus-per-task --energy --error-exitcode --exclusive --exhaustiveness --ff --install --ligand
-    --maps --no-install-recommends --num --out --prefix --sessions --preset --release --scoring --seed --system-site-packages --target --titration-state-method --wait --with-ph""".split())
+    --maps --no-install-recommends --num --out --prefix --sessions --preset --release --scoring --seed --system-site-packages --table --target --titration-state-method --wait --with-ph""".split())
 has = {tool: set(re.findall(option, subprocess.run([hapgrid, tool, "--help"], capture_output=True, text=True).stdout)) for tool in tools}
 has["feel"] |= has["view"] | {"--output"}
 wrong = []

@@ -6,9 +6,8 @@
 // of branches; the model itself is asked 32 times a spacing along the same way. Only ticks are
 // counted in which the model pushes the hand.
 //
-// A line for each force and kind of cell: energy, records or state; whole cells, or torn ones, in
-// which the branch ends; ticks that count; the error in newtons, its median and 99th percentile;
-// nanoseconds a tick of the force alone, over all ticks.
+// A line for each force, energy and state: its error in newtons, the median and the 99th
+// percentile, and nanoseconds a tick of the force alone, over all ticks.
 #include <chrono>
 #include <cstdlib>
 #include <functional>
@@ -32,7 +31,7 @@ constexpr double kContact = 1e-6;  // newtons
 struct Force {
   const char* name;
   std::function<Vec3(const Traversal&)> at;
-  std::vector<double> errors[2] = {};  // whole cells, torn ones
+  std::vector<double> errors = {};
   double nanoseconds = 0;
 };
 
@@ -72,12 +71,9 @@ void measure(const Grid& grid, const std::vector<Vec3>& path, const MakeModel& m
     if (!go(truth, path, i).usable()) throw Error("the model fails on this path");
     go(branch, path, i);
     const Vec3 model = fields.force(truth.position(), truth.row());
-    const auto& nodes = branch.nodes();
-    const bool torn =
-        std::any_of(nodes.begin(), nodes.end(), [&](Node node) { return map->is_ghost(node); });
     for (Force& force : forces) {
       const double error = distance(force.at(branch), model);
-      if (distance(model, {0, 0, 0}) > kContact) force.errors[torn].push_back(error);
+      if (distance(model, {0, 0, 0}) > kContact) force.errors.push_back(error);
     }
   }
   BranchTraversal again(grid, map);
@@ -102,19 +98,12 @@ int run(const Grid& grid, int argc, char** argv) {
   const Fields fields(grid.spec(), make, false);
   std::vector<Force> forces;
   forces.push_back({"energy", NodeForce(energies, grid.box(), hermite_force)});
-  forces.push_back({"records", NodeForce(energies, grid.box(), mean_force)});
   forces.push_back(
       {"state", [&](const Traversal& t) { return fields.force(t.position(), t.row()); }});
   measure(grid, places(grid.box(), seed, ticks), make, map, forces);
-  const Agreement a = agreement(grid, at_records);
-  std::printf(
-      "# records %u, ghosts %u; errors of predicted forces, N: %.4g by energy, %.4g by forces\n",
-      grid.records(), map->ghosts(), a.by_energy, a.by_forces);
   for (Force& force : forces)
-    for (int torn = 0; torn < 2; ++torn)
-      std::printf("%s\t%s\t%zu\t%.5f\t%.4f\t%.1f\n", force.name, torn ? "torn" : "whole",
-                  force.errors[torn].size(), quantile(force.errors[torn], 0.5),
-                  quantile(force.errors[torn], 0.99), force.nanoseconds);
+    std::printf("%s\t%.5f\t%.4f\t%.1f\n", force.name, quantile(force.errors, 0.5),
+                quantile(force.errors, 0.99), force.nanoseconds);
   return 0;
 }
 

@@ -1,44 +1,27 @@
 // Plays a grid with simulated hands, in virtual time: the loop, rules and safety core of play. The
 // same command gives the same bytes on every machine. simulated.hpp has the equation of the hand.
 //
-//   bench_hands GRID HAND.toml [OPTION...]
-//
-// All keys of HAND.toml may be left out. With a unit and the default:
-//
-//   mass, damping          kg 0.1, N s/m 0: of the device's handle
-//   encoder                m, 5.5e-5: steps to which positions are rounded
-//   delay                  ticks, 0: from when a force is sent until it is in effect
-//   reach                  m, 0.1: side of the cube in which the handle moves; the longest side of
-//                          the box is mapped to it
-//   truth                  false; true: the model itself runs beside what is played, and the forces
-//                          of both are compared
-//   hand.stiffness, hand.damping   N/m 300, N s/m 1.5: of the hand
-//   hand.tremor            m, 0: amplitude on each axis, by 8, 10 and 12 Hz; people's hands have
-//                          0.05 to 0.3 mm
-//   hand.next              s, never: the hand goes on to the next level whenever this time has
-//                          passed
-//   hand.path              none: a path in the box's unit, which the hand follows once
-//   random.seed, random.sessions, random.seconds   1, 1000, 5 s: without a path the hand moves at
-//                          random, in sessions of this length
-//   random.speed, random.hold   m/s 0.1, s 1.5: mean speed of the fastest way, length of a rest
+//   bench_hands GRID [OPTION...]        (--help)
 //
 // A session begins at rest, at a place that the seed and the session's number decide. The hand goes
 // to another place in the box, straight and with least jerk, then to the next one. Before each way
-// it rests with a probability of one half. The columns of --sessions are explained in sessions.hpp.
-#include <csignal>
+// it rests with a probability of one half. With --path it follows that path once. The longest side
+// of the box is mapped to 0.1 m.
+//
+// --table has a line for each session, in mJ: what the model held where the ramp rose; what the
+// device gave to the hand until the end; the most that it gave at any time beyond what was stored.
+#include <algorithm>
 #include <cstdio>
-#include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
-#include <utility>
+#include <vector>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
 #include "libcore/base/format.hpp"
-#include "libcore/base/json.hpp"
+#include "libcore/base/text.hpp"
+#include "libcore/device/path.hpp"
 #include "libcore/loop/loop.hpp"
-#include "tests/bench/sessions.hpp"
-#include "tests/bench/simulation.hpp"
+#include "tests/bench/simulated.hpp"
 #include "tools/common/signals.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/play/beside.hpp"
@@ -52,10 +35,11 @@ using namespace hapgrid;
 namespace {
 
 struct Options {
-  std::string grid, hand, log, frames, report, sessions;
+  std::string grid, path, log, frames, table;
   TraversalRule rule = kDefaultRule;
   std::string beside = kBesideOn;
-  double rate_hz = kUnpacedHz;
+  SimulatedOptions device{.sessions = 1000};
+  WanderingOptions hand;
   ModelOptions model;
   GivenSettings given;
   PlayFile file;
@@ -63,7 +47,6 @@ struct Options {
 
 void add_options(CommandLine& app, Options& options) {
   app.add("grid", options.grid, "Complete grid.").type("GRID");
-  app.add("hand", options.hand, "TOML file of the hand and its device.").type("HAND");
   app.add(
          "--traversal", [&](const std::string& name) { options.rule = *rule_named(name); },
          "Rule, as play has it.")
@@ -73,71 +56,120 @@ void add_options(CommandLine& app, Options& options) {
   app.add("--beside", options.beside, "The model beside the grid, as play has it.")
       .type("on|off|TICKS")
       .check(is_beside, "on, off or a number of ticks");
-  app.add("--rate", options.rate_hz, "Ticks a second. Default: 1000.")
-      .type("HZ")
-      .within(1e-3, 1e6, "a rate");
+  const auto number = [&](const char* name, double& value, const char* unit, double low,
+                          double high, const char* help) {
+    app.add(name, value, help)
+        .type(unit)
+        .within(low, high, format("a number from {} to {}", low, high))
+        .shows_default();
+  };
+  number("--rate", options.device.rate_hz, "HZ", 1e-3, 1e6, "Ticks a second.");
+  number("--stiffness", options.device.stiffness, "N/M", 0, 1e6, "Of the hand.");
+  number("--damping", options.device.hand_damping, "NS/M", 0, 1e4, "Of the hand.");
+  number("--encoder", options.device.encoder, "M", 0, 0.1, "Positions are rounded to such steps.");
+  app.add("--delay", options.device.delay, "Ticks from when a force is sent until it is in effect.")
+      .type("N")
+      .whole(0, 10000);
+  app.add("--path", options.path, "A path in the box's unit, in place of ways at random.")
+      .type("FILE");
+  app.add("--seed", options.hand.seed, "Of the ways.").type("N");
+  app.add("--sessions", options.device.sessions, "How many.").type("N").whole(1, 1'000'000);
+  number("--seconds", options.hand.seconds, "S", 1e-3, 1e4, "Length of a session.");
+  number("--speed", options.hand.speed, "M/S", 1e-6, 1e3, "Mean speed of the fastest way.");
+  number("--hold", options.hand.hold, "S", 0, 1e6, "Length of a rest.");
   add_model_options(app, options.model);
   add_settings(app, options.given, options.file);
   app.add("--log", options.log, "Log of all ticks, as play has it.").type("FILE").writes();
   app.add("--frames", options.frames, "Frames for view.").type("FILE").writes();
-  app.add("--report", options.report, "Figures of all sessions, in JSON.").type("FILE").writes();
-  app.add("--sessions", options.sessions, "Table with a line for each session.")
-      .type("FILE")
-      .writes();
+  app.add("--table", options.table, "A line for each session.").type("FILE").writes();
 }
 
-void write(const std::string& file, const std::string& text) {
-  if (file.empty()) return;
-  OutputFile output(file, /*binary=*/false);
-  output.write(text);
-  output.commit();
+SimulatedDevice::Targets targets(const Options& options, const Mapping& mapping, const Box& box) {
+  if (options.path.empty()) {
+    const Vec3 one = mapping.handle(box.origin), other = mapping.handle(box.high());
+    Vec3 low, high;  // axes can be mirrored
+    for (int a = 0; a < 3; ++a) std::tie(low[a], high[a]) = std::minmax(one[a], other[a]);
+    return [low, high, hand = options.hand](std::uint64_t session, std::vector<Vec3>& places) {
+      wander(hand, low, high, session, places);
+    };
+  }
+  std::vector<Vec3> path;
+  for (const DeviceInput& tick : parse_path(read_regular_text(options.path, 1 << 30), options.path))
+    path.push_back(mapping.handle(tick.position));
+  return [path](std::uint64_t, std::vector<Vec3>& places) { places = path; };
 }
 
-int play(const Options& options) {
+/// The energies of one session, in mJ; exact, of the force as it was in effect.
+struct Session {
+  double stored = 0, given = 0, returned = 0;
+};
+
+void write(const std::vector<Session>& sessions, const std::string& table) {
+  std::string text = "# session\tstored_mJ\tgiven_mJ\treturned_mJ\n";
+  double sum = 0;
+  std::size_t worst = 0;
+  for (std::size_t i = 0; i < sessions.size(); ++i) {
+    const Session& s = sessions[i];
+    text += format("{}\t{}\t{}\t{}\n", i, to_text(s.stored), to_text(s.given), to_text(s.returned));
+    sum += s.returned;
+    if (s.returned > sessions[worst].returned) worst = i;
+  }
+  if (!table.empty()) {
+    OutputFile output(table, /*binary=*/false);
+    output.write(text);
+    output.commit();
+  }
+  if (sessions.empty()) return;
+  std::fputs(
+      format("hands: energy returned beyond what was stored, of {} sessions: mean {:.3g} mJ, "
+             "worst {:.3g} mJ in session {}\n",
+             sessions.size(), sum / static_cast<double>(sessions.size()), sessions[worst].returned,
+             worst)
+          .c_str(),
+      stderr);
+}
+
+int play(Options& options) {
   const PlayedGrid grid(options.grid, options.model);
-  const Simulation simulation = read_simulation(options.hand, options.rate_hz);
+  const double rate = options.hand.rate_hz = options.device.rate_hz;
+  if (!options.path.empty()) options.device.sessions = 1;
   PlaySettings settings = changed(changed({}, options.file.given), options.given);
-  const DeviceInfo info = SimulatedDevice::info(simulation.device);
+  const DeviceInfo info = SimulatedDevice::info(options.device);
   settings.safety.max_force = std::min(settings.safety.max_force, info.max_force);
   Mapping mapping(settings.mapping, info, grid.spec().box);
-  const auto device = simulated_device(simulation, mapping, grid.spec().box);
+  SimulatedDevice device(options.device, targets(options, mapping, grid.spec().box));
 
   Follower follower(grid, options.rule, options.beside, /*must=*/!options.model.allowed.empty(),
                     /*live=*/false);
-  const auto truth = simulation.truth
-                         ? traversals(TraversalRule::kModel, grid.grid, grid.create_exact)()
-                         : nullptr;
   SafetyCore safety(settings.safety);
-  Sessions sessions(*device, safety, grid.fields,
-                    {.rate_hz = options.rate_hz, .gain = settings.safety.gain}, truth.get());
   const CaughtSignals signals;
   Viewers viewers(options.frames, "");
   viewers.start(
-      grid.spec(), grid.create, options.rate_hz, /*paced=*/false, caught_signal,
+      grid.spec(), grid.create, rate, /*paced=*/false, caught_signal,
       std::min(settings.safety.max_force, settings.safety.gain * follower.force.largest()));
   PlayedForce force{follower.force, settings.safety.gain, mapping.scale()};
-  Log log(options.log, grid, options.rate_hz, /*paced=*/false, ~std::size_t{0},
+  Log log(options.log, grid, rate, /*paced=*/false, ~std::size_t{0},
           {.limits = settings.safety,
            .scale = mapping.scale(),
            .traversal = options.rule,
            .beside = follower.beside ? options.beside : kBesideOff});
-  if (follower.beside) follower.beside->begin(options.rate_hz);
+  if (follower.beside) follower.beside->begin(rate);
+  std::vector<Session> sessions;
   std::atomic<std::uint64_t> heartbeat{0};
-  const LoopSummary summary = run_loop(*device, mapping, *follower.traversal, safety, force,
-                                       [&](const Tick& tick) {
-                                         log.add(tick);
-                                         viewers.show(tick);
-                                         sessions.add(tick);
-                                       },
-                                       caught_signal, heartbeat, {.unpaced_hz = options.rate_hz});
+  const auto sink = [&](const Tick& tick) {
+    log.add(tick);
+    viewers.show(tick);
+    if (tick.input.begins) sessions.emplace_back();
+    Session& now = sessions.back();
+    now.stored = 1e3 * safety.granted();
+    now.given = 1e3 * device.work();
+    now.returned = std::max(now.returned, now.given - now.stored);
+  };
+  const LoopSummary summary = run_loop(device, mapping, *follower.traversal, safety, force, sink,
+                                       caught_signal, heartbeat, {.unpaced_hz = rate});
   log.finish();
   viewers.finish();
-  sessions.finish();
-  std::fputs(sessions_text(sessions).c_str(), stderr);
-  write(options.sessions, sessions_table(sessions));
-  nlohmann::ordered_json report = sessions_json(sessions);
-  report["ticks"] = summary.ticks;
-  if (!options.report.empty()) write(options.report, json_text(report));
+  write(sessions, options.table);
   if (summary.count_of(kFault) > 0)
     throw Error(format("zero force in {} of {} ticks", summary.count_of(kFault), summary.ticks));
   return caught_signal ? 128 + caught_signal : kExitDone;

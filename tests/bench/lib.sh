@@ -20,3 +20,6 @@ compute() {
   mapfile -t options < <(scaled "$2" "$3")
   seed "$2" "${options[@]}" "${@:4}" | expand --complete -j 2 -o "$1.grid"
 }
+
+# returned TABLE: the energy that hands got back, from the table of bench_hands: mean / worst, mJ.
+returned() { awk 'NR > 1 { sum += $4; if ($4 > worst) worst = $4 } END { printf "%.4f / %.2f", sum / (NR - 1), worst }' "$1"; }

@@ -14,19 +14,17 @@ static volatile int64_t* written;
 static int device;
 
 hid_device* hid_open_path(const char* path) {
-  (void)path;
   const int fd = open(getenv("HAPGRID_WRITTEN"), O_RDWR);
   written = mmap(NULL, sizeof *written, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
   close(fd);
   return (hid_device*)&device;
 }
 
-void hid_close(hid_device* unused) { (void)unused; }
+void hid_close(hid_device* unused) {}
 
 int hid_read_timeout(hid_device* unused, unsigned char* data, size_t length, int milliseconds) {
   // A report every two calls, so that who drains comes to an end.
   static __thread int calls;
-  (void)unused, (void)length;
   if (++calls % 2 == 0) {
     if (milliseconds > 0) usleep(500);
     return 0;
@@ -38,24 +36,18 @@ int hid_read_timeout(hid_device* unused, unsigned char* data, size_t length, int
 
 int hid_write(hid_device* unused, const unsigned char* data, size_t length) {
   struct timespec t;
-  (void)unused, (void)data;
   clock_gettime(CLOCK_MONOTONIC, &t);
   *written = (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
   return (int)length;
 }
 
 int hid_send_feature_report(hid_device* unused, const unsigned char* data, size_t length) {
-  (void)unused, (void)data;
   return (int)length;
 }
 
-const wchar_t* hid_error(hid_device* unused) {
-  (void)unused;
-  return L"";
-}
+const wchar_t* hid_error(hid_device* unused) { return L""; }
 
 struct hid_device_info* hid_enumerate(unsigned short vendor, unsigned short product) {
-  (void)vendor, (void)product;
   static wchar_t empty[1];
   static struct hid_device_info info;
   info = (struct hid_device_info){.path = (char*)"null",
@@ -70,4 +62,4 @@ struct hid_device_info* hid_enumerate(unsigned short vendor, unsigned short prod
   return &info;
 }
 
-void hid_free_enumeration(struct hid_device_info* unused) { (void)unused; }
+void hid_free_enumeration(struct hid_device_info* unused) {}

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "libcore/base/random.hpp"
+
 namespace hapgrid {
 
 namespace {
@@ -42,13 +44,45 @@ Matrix exponential(Matrix a) {
 
 }  // namespace
 
+void wander(const WanderingOptions& options, const Vec3& low, const Vec3& high,
+            std::uint64_t session, std::vector<Vec3>& places) {
+  SplitMix64 random(mix(options.seed) + session);
+  const auto anywhere = [&] {
+    Vec3 x;
+    for (int a = 0; a < 3; ++a) x[a] = low[a] + random.part() * (high[a] - low[a]);
+    return x;
+  };
+  const auto ticks_of = [&](double seconds) {
+    // In this order a NaN, which a box without end has for lengths, is the most, too.
+    return static_cast<std::size_t>(std::min(0x1p40, std::ceil(seconds * options.rate_hz)));
+  };
+  const std::size_t ticks = std::max<std::size_t>(ticks_of(options.seconds), 1);
+  Vec3 from = anywhere();
+  places.assign(1, from);
+  while (places.size() < ticks) {
+    if (random.below(2) == 0)
+      places.resize(std::min(places.size() + ticks_of(options.hold), ticks), from);
+    const Vec3 to = anywhere();
+    const Vec3 way{to[0] - from[0], to[1] - from[1], to[2] - from[2]};
+    const double length = std::sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
+    const double speed = options.speed * (1 + 3 * random.part()) / 4;
+    const std::size_t leg = ticks_of(length / speed);
+    for (std::size_t i = 1; i <= leg && places.size() < ticks; ++i) {
+      const double t = static_cast<double>(i) / static_cast<double>(leg);
+      const double s = t * t * t * (10 - 15 * t + 6 * t * t);
+      places.push_back({from[0] + s * way[0], from[1] + s * way[1], from[2] + s * way[2]});
+    }
+    from = to;
+  }
+}
+
 SimulatedDevice::SimulatedDevice(const SimulatedOptions& options, Targets targets)
     : options_(options),
       source_(std::move(targets)),
       sent_(std::size_t{options.delay} + 1, Vec3{0, 0, 0}) {
   const double dt = 1 / options.rate_hz;
   const double spring = options.stiffness / options.mass;
-  const double friction = (options.hand_damping + options.damping) / options.mass;
+  const double friction = options.hand_damping / options.mass;
   // u' = w, w' = -spring u - friction w + a, a' = 0.
   const Matrix e = exponential({{{0, dt, 0}, {-spring * dt, -friction * dt, dt}, {0, 0, 0}}});
   step_ = {e[0], e[1]};
@@ -71,8 +105,7 @@ DeviceStatus SimulatedDevice::read(DeviceInput& input) noexcept {
     begin();
   else
     advance();
-  const std::uint64_t every = options_.next_ticks;
-  input = {.hand = target(), .next = every > 0 && at_ > 0 && at_ % every == 0, .begins = begins};
+  input = {.hand = target(), .begins = begins};
   for (int a = 0; a < 3; ++a)
     input.position[a] = options_.encoder > 0
                             ? std::floor(x_[a] / options_.encoder + 0.5) * options_.encoder
@@ -101,7 +134,7 @@ void SimulatedDevice::advance(double& x, double& v, double force, double from,
   const double speed = (to - from) / (1 / options_.rate_hz);
   const double u = x - from;
   const double w = v - speed;
-  const double a = (force - options_.damping * speed) / options_.mass;
+  const double a = force / options_.mass;
   x = to + (step_[0][0] * u + step_[0][1] * w + step_[0][2] * a);
   v = speed + (step_[1][0] * u + step_[1][1] * w + step_[1][2] * a);
 }

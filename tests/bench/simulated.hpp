@@ -4,7 +4,7 @@
 // On each axis the handle is a mass m between the device's force F and the hand, which is a spring
 // and a damper to a point X that moves by itself:
 //
-//   m x'' = F + k (X - x) + b (X' - x') - c x'
+//   m x'' = F + k (X - x) + b (X' - x')
 //
 // F is the force that was sent, and it holds for a tick. X moves straight from one tick's target to
 // the next one's. So each tick has an exact solution, whatever the stiffness and however long the
@@ -20,22 +20,39 @@
 #include <vector>
 
 #include "libcore/device/device.hpp"
+#include "libcore/grid/vec3.hpp"
 
 namespace hapgrid {
 
 struct SimulatedOptions {
   double mass = 0.1;          ///< m of the handle, kg; > 0
-  double damping = 0;         ///< c of the device, N s/m
   double stiffness = 300;     ///< k of the hand, N/m; 0: the handle is free
   double hand_damping = 1.5;  ///< b of the hand, N s/m
   double encoder = 5.5e-5;    ///< positions are rounded to such steps, m; 0: not at all
   std::uint32_t delay = 0;    ///< ticks from when a force is sent until it is in effect
   double reach = 0.1;         ///< side of the cube around 0 that the handle reaches, m
   double rate_hz = 1000;      ///< ticks a second
-  /// The hand wants the next level whenever so many ticks of a session have passed; 0: never.
-  std::uint64_t next_ticks = 0;
   std::uint64_t sessions = 1;
 };
+
+struct WanderingOptions {
+  std::uint64_t seed = 1;
+  double seconds = 5;  ///< of a session
+  double speed = 0.1;  ///< the fastest leg's mean speed, in the unit of the box a second
+  double hold = 1.5;   ///< seconds of a rest
+  double rate_hz = 1000;
+};
+
+/// The positions of session `session`, one for each tick. The seed and the session alone decide
+/// them.
+///
+/// The hand begins at a random point of the box from `low` to `high`, each as likely as any other.
+/// With a probability of one half it rests there for `hold`. Then it goes straight to another such
+/// point, as hands do: s(t) = 10 t^3 - 15 t^4 + 6 t^5 of the way, with t from 0 to 1 (least jerk;
+/// Flash and Hogan 1985). The leg's mean speed is drawn from a quarter of `speed` to `speed`. At
+/// the end of the leg the hand may rest again, and so on.
+void wander(const WanderingOptions& options, const Vec3& low, const Vec3& high,
+            std::uint64_t session, std::vector<Vec3>& places);
 
 class SimulatedDevice : public Device {
  public:

@@ -12,9 +12,7 @@
 // and its answers are LATE ticks late.
 //
 // A line: tremor, stiffness, gain, start; contacts; how many of them feel less than 95 % of the
-// force before the core, at the end; the lowest such part; how many have swings of the force of
-// more than 1.2 times those without the tank (and more than 0.01 N); the largest such ratio; the
-// longest time until the force is full for a quarter of a second, in s.
+// force before the core, at the end; the lowest such part.
 #include <cstdlib>
 #include <sstream>
 
@@ -29,7 +27,6 @@ using namespace hapgrid::bench;
 struct Held {
   double raw = 0, sent = 0;           // mean magnitude in the last tenth of the hold, N
   double low = 1e300, high = -1e300;  // of the magnitude that was sent, in the last third
-  double full = 0;  // s until the force was 95 % of the wanted one, for a quarter of a second
   bool snapped = false;
   double swing() const { return high - low; }
 };
@@ -54,8 +51,7 @@ Held hold(const Player& player, const Hand& hand, const Vec3& from, const Vec3& 
   rest(targets, seconds);
   tremble(targets, tremor, phase);
   Held held;
-  double n = 0, weak = 0;
-  bool is_full = false;
+  double n = 0;
   player.play({.stiffness = hand.stiffness, .delay = hand.delay}, targets, limits, hand.late,
               [&](const Tick& tick, const SimulatedDevice&, const SafetyCore&) {
                 const double t = static_cast<double>(tick.number) - begin;
@@ -63,9 +59,6 @@ Held hold(const Player& player, const Hand& hand, const Vec3& from, const Vec3& 
                 const double raw = limits.gain * length_of(tick.raw_force);
                 const double sent = length_of(tick.force.force);
                 if (tick.step.snapped && t > 500) held.snapped = true;
-                if (!(sent >= 0.95 * raw - 0.01)) weak = t;
-                if (!is_full) held.full = weak / kRate;
-                if (t - weak > kRate / 4) is_full = true;
                 if (t > ticks * 2 / 3) {
                   held.low = std::min(held.low, sent);
                   held.high = std::max(held.high, sent);
@@ -82,8 +75,8 @@ void measure(const Grid& grid, const Player& player, const Hand& hand, int conta
   constexpr double kInf = std::numeric_limits<double>::infinity();
   SafetyLimits with, without{.max_speed = kInf, .buzz_force = kInf, .reserve = kInf};
   with.gain = without.gain = hand.gain;
-  int tried = 0, found = 0, weak = 0, swinging = 0, unstable = 0;
-  double least = 1, most = 0, longest = 0;
+  int tried = 0, found = 0, weak = 0, unstable = 0;
+  double least = 1;
   for (; found < contacts && tried < 400; ++tried) {
     const Vec3 from = somewhere(grid.box(), random), at = somewhere(grid.box(), random);
     const double phase = uniform(random, 0, 1);
@@ -97,16 +90,12 @@ void measure(const Grid& grid, const Player& player, const Hand& hand, int conta
     }
     const Held held = hold(player, hand, from, at, phase, hand.tremor, hand.seconds, with);
     ++found;
-    const double part = held.sent / held.raw, swings = held.swing() / std::max(open.swing(), 1e-3);
+    const double part = held.sent / held.raw;
     weak += part < 0.95;
     least = std::min(least, part);
-    swinging += held.swing() > 1.2 * open.swing() + 0.01;
-    most = std::max(most, swings);
-    longest = std::max(longest, held.full);
   }
-  std::printf("%g\t%g\t%g\t%s\t%d\t%d\t%.3f\t%d\t%.2f\t%.2f\t(unstable %d)\n", hand.tremor * 1e3,
-              hand.stiffness, hand.gain, hand.approaches ? "approach" : "contact", found, weak,
-              least, swinging, most, longest, unstable);
+  std::printf("%g\t%g\t%g\t%s\t%d\t%d\t%.3f\t(unstable %d)\n", hand.tremor * 1e3, hand.stiffness,
+              hand.gain, hand.approaches ? "approach" : "contact", found, weak, least, unstable);
   std::fflush(stdout);
 }
 

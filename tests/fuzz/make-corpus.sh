@@ -55,27 +55,12 @@ for toml in teensy-rawhid template; do
   put texts "profile-$toml" <"$HAPGRID_SOURCE/examples/devices/$toml.toml"
 done
 
-# What --cost appends to, and simulated hands.
+# What --cost appends to.
 expand --cost cost seeds >requests
 expand --complete --cost cost seeds >grid
 merge --cost cost seeds requests >next
 sed 's/"host":"[^"]*"/"host":"node1"/' cost | put texts cost-three
 printf '{"cpu_seconds": 0, "conversions": 18446744073709551615}\n{"cpu_seconds": -1}' | put texts cost-refused
-cat <<'TOML' | put texts simulation-random
-mass = 0.15
-damping = 1
-encoder = 0
-delay = 1
-reach = 0.2
-truth = true
-[random]
-seed = 3
-sessions = 2
-seconds = 0.5
-speed = 0.2
-hold = 1.25
-TOML
-printf '[hand]\npath = "path"\nstiffness = 1e6\ndamping = 600\n' | put texts simulation-path
 
 # A model process: what the hung ball says.
 printf '%s\n' '{"hapgrid": 1, "parameters": {}}' '{"id": 1, "op": "known_states", "x": [-0.4, 0, 0]}' \

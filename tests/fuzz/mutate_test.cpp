@@ -1,6 +1,5 @@
 // Whether the mutator of shards gets past their digests: most of what it makes is refused, if it
 // is, for what its messages say.
-#include "libcore/base/error.hpp"
 #include "libcore/shard/reader.hpp"
 #include "tests/fuzz/fuzz.hpp"
 #include "tests/unit/catch.hpp"

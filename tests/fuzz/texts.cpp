@@ -1,13 +1,11 @@
 // What people and programs write as text. A text is given to every reader of text, so that what one
 // of them takes apart is tried on the others as well.
-#include <algorithm>
 #include <cstdlib>
 #include <limits>
 #include <optional>
 
 #include "libcore/device/path.hpp"
 #include "libcore/model/definition.hpp"
-#include "tests/bench/simulation.hpp"
 #include "tests/fuzz/fuzz.hpp"
 #include "tools/devices/profile.hpp"
 #include "tools/stats/statistics.hpp"
@@ -45,18 +43,6 @@ void use(const Profile& profile) {
   profile.stop_reports();
 }
 
-/// The hand and the device of `bench_hands`; one that is taken moves for a while.
-void use(Simulation simulation) {
-  // A session may have ten million ticks, whose targets are kept in memory.
-  simulation.hand.seconds = std::min(simulation.hand.seconds, 1.0);
-  const Box box{{-0.7, -0.2, -0.1}, 0.25, {6, 3, 2}};
-  const Mapping mapping({}, SimulatedDevice::info(simulation.device), box);
-  const auto device = simulated_device(simulation, mapping, box);
-  DeviceInput input;
-  for (int tick = 0; tick < 20 && device->read(input) == DeviceStatus::kOk; ++tick)
-    device->send({0.1, -3, 1e300});
-}
-
 /// Paths of the HIP.
 void take_path(std::string_view text) {
   refusable([&] { static_cast<void>(parse_path(text, "fuzz")); });
@@ -69,8 +55,6 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   take_definition(text);
   take_path(text);
   refusable([&] { use(read_profile(std::string(text), "fuzz")); });
-  const MemoryFile memory(std::as_bytes(std::span(data, size)));
-  refusable([&] { use(read_simulation(memory.name(), 1000)); });
   // What `--cost` appends to, as stats reads it.
   refusable([&] {
     CostSums sums;

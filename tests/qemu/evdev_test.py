@@ -128,15 +128,13 @@ assert all(abs(direction - 0xc000) < 0x1000 for level, direction in got if level
 for hip, _, _ in played:
     assert -0.775 - 1e-9 < hip[0] < 0.175 + 1e-9 and abs(hip[1] + 0.025) < 1e-9, hip
 
-# The guard stops what plays when play stands still, and the kernel does when play was killed; no force comes after that.
-for name, code, error in (("stopped", 1, "the program stood still, and its guard sent zero force"), ("killed", 137, ""),
-                          ("adapter", 1, "hapgrid-evdev: was killed by signal 9 (Killed); then --release sent zero force")):
-    ended(name, code, error)
-    words, _ = record(name)
-    motors = [int(w[3]) for w in words if w[:3] == ["upload", "0", "rumble"]]
-    assert len(motors) > 10 and max(motors) > 10000, (name, motors)
-    last = max(i for i, w in enumerate(words) if w[0] == "upload")
-    assert ["play", "0", "0"] in words[last:] and ["play", "0", "1"] not in words[last:], (name, words[last:])
+# The guard stops what plays when play stands still; no force comes after that.
+ended("stopped", 1, "the program stood still, and its guard sent zero force")
+words, _ = record("stopped")
+motors = [int(w[3]) for w in words if w[:3] == ["upload", "0", "rumble"]]
+assert len(motors) > 10 and max(motors) > 10000, motors
+last = max(i for i, w in enumerate(words) if w[0] == "upload")
+assert ["play", "0", "0"] in words[last:] and ["play", "0", "1"] not in words[last:], words[last:]
 
 ended("unplugged", 1, "play: device: hapgrid-evdev: /dev/input/event")
 print("as many forces as", len(strong), len(got), "reached the gamepad and the stick")

@@ -20,17 +20,6 @@ def exit_code(lines):
     return [line for line in lines if line.startswith("exit ")]
 
 
-# The device itself. The last of 2,000 reports is 0.3998 s behind the first. A report takes some 20
-# microseconds of the machine's time; half a period of lateness is allowed.
-lines = parts["device"]
-assert lines[:4] == ["1 -2 3 0 0", "100000 -200000 300000 1 0", "-2147483648 2147483647 0 2 0",
-                     "-2147483648 2147483647 0 3 0"], lines
-events = [line.split(" ", 1) for line in lines[4:]]
-assert [event for _, event in events[:-1]] == ["open", "out 1 -2 32767 513", "short 64"], events
-(time, end) = events[-1]
-assert re.fullmatch(r"end 2000 \S+ \S+", end) and 399800 <= float(time) < 401000, events[-1]
-assert float(end.split()[2]) < 100, end
-
 # 2,500 ticks at 5 kHz. Of a tick's 200 us, play and its adapter take 140 on this slow machine, and what the kernel itself does
 # now and then costs some more: one tick in 500 may be missed.
 report = json.loads("\n".join(parts["report"]))
@@ -60,36 +49,13 @@ assert busy > 2 * 0.95 * len(forces), (busy, len(forces))  # it lasts twice as l
 print(f"under load: {report['missed']} missed, {busy} reports of force")
 
 
-def felt(lines):
-    """The last report, and whether the ball was felt before."""
-    count, most = map(int, lines[-2].split())
-    assert count > 100 and most > 100, lines
-    return lines[-1]
-
-
 # Unplugged in mid-play, while the ball is pushed: one clear line, exit 1. What is written then reaches
-# nobody; the attempt is seen with the stand-in (tests/unit/device).
+# nobody; the attempt is seen with the stand-in (cli/play/adapters.py).
 lines = parts["unplugged"]
 assert exit_code(lines) == ["exit 1"], lines
 assert any(re.match(r"play: device: .*", line) for line in lines), lines
-felt(lines)
-
-# Silent before it was unplugged: let go in time.
-lines = parts["silent"]
-assert exit_code(lines) == ["exit 1"], lines
-assert any("stalled" in line for line in lines), lines
-assert felt(lines) == "out 0 0 0", lines
-
-# Interrupted, and killed: zero force is the last report.
-for name, code in (("interrupted", "exit 130"), ("killed", "exit 137")):
-    lines = parts[name]
-    assert exit_code(lines) == [code], lines
-    assert felt(lines) == "out 0 0 0", lines
-
-# What is there.
-lines = parts["list"]
-assert any(line.startswith("hid:PROFILE ") and "Teensy RawHID (16c0:0486), interface -1, usage ffab:0200, /dev/hidraw0"
-           in line for line in lines), lines
+count, most = map(int, next(line for line in lines if line.startswith("felt ")).split()[1:])
+assert count > 100 and most > 100, lines
 
 # What went over the wire at 2,500 ticks against the session's text.
 with open("there.txt", "w") as file:

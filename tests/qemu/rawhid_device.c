@@ -1,4 +1,4 @@
-/* rawhid-device [--rate HZ] [--unplug-after N [--silent MS]] POSITIONS
+/* rawhid-device [--rate HZ] [--unplug-after N] POSITIONS
  *
  * A device for the hand with three axes and a force: 64-byte reports without an id in both
  * directions, "Teensy RawHID", vendor 16c0, product 0486, all numbers little-endian:
@@ -11,8 +11,7 @@
  *
  * POSITIONS is a text file: three integers a line, micrometres; a line for each report, the last
  * one for ever. Reports begin when somebody opens the device, HZ (1000) times a second. After N
- * reports the device is unplugged; with --silent it first sends nothing for MS milliseconds, as one
- * whose cable breaks on the way in.
+ * reports the device is unplugged.
  *
  * At the end, which SIGTERM or the unplugging is, the record goes to standard output, a line an
  * event, each with its time in microseconds after the first opening:
@@ -120,51 +119,38 @@ static void handle(const struct uhid_event* event, int* is_open) {
   }
 }
 
-static int32_t (*read_positions(const char* name, size_t* count))[3] {
+enum { kMostPositions = 1 << 14 };
+static int32_t positions[kMostPositions][3];
+
+static size_t read_positions(const char* name) {
   FILE* file = fopen(name, "r");
   if (!file) die(name);
-  int32_t(*positions)[3] = NULL;
-  size_t room = 0;
-  int32_t p[3];
-  *count = 0;
-  while (fscanf(file, "%" SCNd32 " %" SCNd32 " %" SCNd32, &p[0], &p[1], &p[2]) == 3) {
-    if (*count == room) {
-      room = room ? 2 * room : 4096;
-      positions = realloc(positions, room * sizeof *positions);
-      if (!positions) die("memory");
-    }
-    memcpy(positions[(*count)++], p, sizeof p);
-  }
-  if (!feof(file) || *count == 0) {
-    errno = EINVAL;
-    die(name);
-  }
+  size_t count = 0;
+  for (int32_t* p = positions[0]; count < kMostPositions; ++count, p += 3)
+    if (fscanf(file, "%" SCNd32 " %" SCNd32 " %" SCNd32, p, p + 1, p + 2) != 3) break;
+  if (!feof(file) || count == 0) die(name);
   fclose(file);
-  return positions;
+  return count;
 }
 
 int main(int argc, char** argv) {
   double rate = 1000;
   int64_t unplug_after = -1;
-  int64_t silent_ns = 0;
   const char* script = NULL;
   for (int i = 1; i < argc; ++i) {
     if (!strcmp(argv[i], "--rate") && i + 1 < argc) {
       rate = atof(argv[++i]);
     } else if (!strcmp(argv[i], "--unplug-after") && i + 1 < argc) {
       unplug_after = atoll(argv[++i]);
-    } else if (!strcmp(argv[i], "--silent") && i + 1 < argc) {
-      silent_ns = 1000000 * (int64_t)atoll(argv[++i]);
     } else {
       script = argv[i];
     }
   }
   if (!script || !(rate > 0)) {
-    fputs("usage: rawhid-device [--rate HZ] [--unplug-after N [--silent MS]] POSITIONS\n", stderr);
+    fputs("usage: rawhid-device [--rate HZ] [--unplug-after N] POSITIONS\n", stderr);
     return 2;
   }
-  size_t count = 0;
-  int32_t(*positions)[3] = read_positions(script, &count);
+  const size_t count = read_positions(script);
   const struct sched_param scheduling = {.sched_priority = 60};
   if (sched_setscheduler(0, SCHED_FIFO, &scheduling) != 0) die("SCHED_FIFO");
   /* To make room in between would take the machine's one processor too long. */
@@ -181,8 +167,7 @@ int main(int argc, char** argv) {
   while (!ended) {
     const int all_sent = unplug_after >= 0 && sent >= unplug_after;
     /* Between two reports it listens. A time that passed while nobody had it open is left out. */
-    const int64_t due =
-        first_open + (int64_t)((double)sent * 1e9 / rate) + (all_sent ? silent_ns : 0);
+    const int64_t due = first_open + (int64_t)((double)sent * 1e9 / rate);
     const int64_t left = due - now_ns();
     if (all_sent && left <= 0) break;
     if (is_open && left <= 0) {

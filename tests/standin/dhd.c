@@ -20,7 +20,6 @@ int dhdOpen(void) {
 }
 
 int dhdClose(char id) {
-  (void)id;
   if (!open_) return refuse("device is not open");
   open_ = 0;
   kit_note("closed");
@@ -28,7 +27,6 @@ int dhdClose(char id) {
 }
 
 int dhdStop(char id) {
-  (void)id;
   if (!open_) return refuse("device is not open");
   enabled = 0;
   kit_note("brakes");
@@ -36,14 +34,12 @@ int dhdStop(char id) {
 }
 
 int dhdEnableForce(uchar on, char id) {
-  (void)id;
   if (!open_) return refuse("device is not open");
   enabled = on == DHD_ON;
   return 0;
 }
 
 int dhdSetForce(double x, double y, double z, char id) {
-  (void)id;
   if (!open_ || !enabled) return refuse("device is not ready");
   if (!kit_force(x, y, z)) return refuse("communication error");
   return x * x + y * y + z * z > 0.1 ? DHD_MOTOR_SATURATED : 0;
@@ -51,20 +47,15 @@ int dhdSetForce(double x, double y, double z, char id) {
 
 // 25 mm to the left of the middle, 10 mm away from the user, 5 mm up.
 int dhdGetPosition(double* x, double* y, double* z, char id) {
-  (void)id;
   if (!open_) return refuse("device is not open");
   *x = -0.010, *y = -0.025, *z = 0.005;
   return DHD_TIMEGUARD;
 }
 
 uint dhdGetButtonMask(char id) {
-  (void)id;
   return 2;  // the second button is held
 }
 
-const char* dhdGetSystemName(char id) {
-  (void)id;
-  return "stand-in omega";
-}
+const char* dhdGetSystemName(char id) { return "stand-in omega"; }
 
 const char* dhdErrorGetLastStr(void) { return error; }

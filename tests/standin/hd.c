@@ -28,25 +28,17 @@ HDstring hdGetErrorString(HDerror code) {
 }
 
 HHD hdInitDevice(HDstring name) {
-  (void)name;
   if (kit_fault("absent", 0)) last_error = HD_COMM_ERROR;
   return 1;
 }
 
-void hdDisableDevice(HHD device) {
-  (void)device;
-  kit_note("closed");
-}
+void hdDisableDevice(HHD device) { kit_note("closed"); }
 
 void hdEnable(HDenum what) { enabled |= what == HD_FORCE_OUTPUT; }
 
-void hdBeginFrame(HHD device) {
-  (void)device;
-  in_frame = 1;
-}
+void hdBeginFrame(HHD device) { in_frame = 1; }
 
 void hdEndFrame(HHD device) {
-  (void)device;
   in_frame = 0;
   const double squared = wanted[0] * wanted[0] + wanted[1] * wanted[1] + wanted[2] * wanted[2];
   if (squared > 0.88 * 0.88)
@@ -72,7 +64,6 @@ void hdGetDoublev(HDenum what, HDdouble* values) {
 }
 
 void hdGetIntegerv(HDenum what, HDint* values) {
-  (void)what;
   *values = 2;  // the second button is held
 }
 
@@ -83,13 +74,9 @@ void hdSetDoublev(HDenum what, const HDdouble* values) {
     memcpy(wanted, values, sizeof wanted);
 }
 
-HDstring hdGetString(HDenum what) {
-  (void)what;
-  return "stand-in Touch";
-}
+HDstring hdGetString(HDenum what) { return "stand-in Touch"; }
 
 static void* loop(void* unused) {
-  (void)unused;
   const struct timespec tick = {.tv_nsec = 1000000};
   while (running && callback(NULL) == HD_CALLBACK_CONTINUE) nanosleep(&tick, NULL);
   return NULL;
@@ -97,12 +84,11 @@ static void* loop(void* unused) {
 
 HDSchedulerHandle hdScheduleAsynchronous(HDSchedulerCallback function, void* argument,
                                          HDushort priority) {
-  (void)priority, (void)argument;
   callback = function;
   return 1;
 }
 
-void hdUnschedule(HDSchedulerHandle handle) { (void)handle; }
+void hdUnschedule(HDSchedulerHandle handle) {}
 
 void hdStartScheduler(void) {
   running = 1;

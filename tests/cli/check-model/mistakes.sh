@@ -42,6 +42,8 @@ class Bead:
             place += 1e-3 * (d[0] > 0)
         if self.mistake == "edge" and x[0] + d[0] > 1.9:
             raise RuntimeError("the mesh is inverted")
+        if self.mistake == "halves":  # another state at rest
+            place += (round(s[0] - x[0] / 2) + (max(map(abs, d)) > 0.4)) % 2
         if self.mistake == "damped":  # an engine whose damping begins above a velocity: it stops before it is at rest
             place = s[0] + (place - s[0]) * (1 - 0.01 * (abs(place - s[0]) > 0.01))
         if self.mistake == "slow":
@@ -109,6 +111,7 @@ finds 'last bits' 0 "${any}deterministic +120 conversions +[0-9]+  note$any"$'\n
   'check-model: fine: .*'
 finds history 3 "${any}, component 0 differs most, by 0\.0001"$'\n'"$any" 'check-model: broken: deterministic .*'
 finds damped 3 "${any}stays: .*"$'\n'"$any, component 0 differs most, by [0-9.e-]+"$'\n'"$any" 'check-model: broken: .*stays.*'
+finds halves 3 "${any}halves: .*$any" 'check-model: broken: (.*, )?halves .*'
 finds top 3 "${any}stable +60 states +60  broken$any" 'check-model: broken: stable \(60 of 60\)'
 grep -qE 'falls to [(]?-?[0-9.]+, -?1[)]? and to [(]?-?[0-9.]+, -?1[)]?$' "$work/got/out" || fail 'not where it falls to'
 seed mistaken.toml --allow-process | expand --complete --allow-process mistaken.toml -o top.grid

@@ -11,6 +11,7 @@ for name in "${names[@]}"; do
   seed "$toml" "${small[@]}" -o seeds
   expand --complete -j 2 seeds -o "$name.grid"
   expect 0 '~.*' '~verify: fine: [0-9]+ checks' -- verify "$name.grid" --recompute all
+  expect 0 '~.*gradient +[1-9][0-9]* forces +0  ok.*' '~check-model: fine: .*' -- check-model "$toml"
   rounds seeds rounds.grid
   cmp rounds.grid "$name.grid"
 

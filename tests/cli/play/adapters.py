@@ -160,12 +160,8 @@ def _(device, adapter):
 
 # What cannot be opened says why, in a line.
 open("started.toml", "w").write(open(PROFILE).read().replace("[reports]", '[reports]\ninit = ["00 48 01"]'))
-TWO = TEENSY + "\n" + TEENSY.replace("hidraw7", "hidraw8").replace("0486\t", "0486\t5678")
 for info, refuses, silent, why in [
         (TEENSY, "busy", False, "/dev/hidraw7: cannot be opened: busy"),
-        ("", "", False, "no device is 16c0:0486, usage ffab:0200; there is no HID device at all (play --list-devices shows all)"),
-        (TWO, "", False, "2 devices are 16c0:0486, usage ffab:0200: Teensy RawHID (16c0:0486) at /dev/hidraw7, Teensy RawHID "
-         f"(16c0:0486) at /dev/hidraw8 with serial 5678: choose one by its path or serial ([match] serial or path in {PROFILE})"),
         (TEENSY, "", True, "/dev/hidraw7: no input within 2 s: the device sent no report")]:
     device = Device(info)
     device.refuses, device.is_silent = refuses, silent

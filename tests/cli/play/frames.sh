@@ -121,14 +121,10 @@ expect 0 '~model .*' '' -- view signal.frames
 
 # Refused.
 help='(see play --help)'
-expect 2 '' "play: --frames: would replace the grid $help" \
-  -- play grid --device path:path --frames ./grid
 expect 2 '' "play: --log and --frames cannot both be - $help" \
   -- play grid --device path:path --frames - --log -
 expect 2 '' "play: --log and --frames cannot both be both $help" \
   -- play grid --device path:path --frames both --log both
-expect 1 '' "play: nowhere/x: No such file or directory" \
-  -- play grid --device path:path --frames nowhere/x
 for rate in '' '--rate 1000'; do
   # shellcheck disable=SC2086  # two words or none
   expect 1 '' '~(play: path at 1000 Hz; .*

@@ -5,40 +5,37 @@ echo '0 0 0' >path
 
 help='(see play --help)'
 forms='path:FILE, keys, replay:FILE, hid:PROFILE, evdev[:WHICH], spacemouse[:WHICH], process:COMMAND'
-expect 2 '' "play: grid is required $help" -- play
-expect 2 '' "play: --device is required $help" -- play grid
-expect 2 '' "play: --device: 'falcon' is not a device: $forms $help" -- play grid --device falcon
-expect 2 '' "play: --device: 'path:' is not a device: $forms $help" -- play grid --device path:
-expect 2 '' "play: the grid and the device cannot both be standard input $help" -- play - --device path:-
-expect 2 '' "play: --device: 'process:' is not a device: $forms $help" -- play grid --device process:
+cp grid kept
+while IFS='|' read -r arguments said; do
+  expect 2 '' "play: $said $help" -- play $arguments
+done <<TABLE
+|grid is required
+grid|--device is required
+grid --device falcon|--device: 'falcon' is not a device: $forms
+grid --device path:|--device: 'path:' is not a device: $forms
+- --device path:-|the grid and the device cannot both be standard input
+grid --device process:|--device: 'process:' is not a device: $forms
+grid --device process:true --rate 19|--rate: an adapter lets go of the hand below 20 Hz
+grid --device path:path --rate 0|--rate: '0' is not a rate from 0.001 to 1000000 Hz
+grid --device path:path --rate nan|--rate: 'nan' is not a rate from 0.001 to 1000000 Hz
+grid --device path:path --rate 1e7|--rate: '1e7' is not a rate from 0.001 to 1000000 Hz
+grid --device path:path --max-force -1|--max-force: '-1' is not a number from 0 to 1e+06 N
+grid --device path:path --traversal best|--traversal: 'best' is not one of paper, branch, model
+grid --device keys --beside 5|--beside: how late the model is for a live device cannot be chosen
+grid --device path:path --traversal paper --beside on|--beside: only --traversal branch has branches between which to choose
+grid --device path:path --beside 20ms|--beside: '20ms' is not on, off or a whole number of ticks from 1 to 10000
+grid --device path:path --log ./grid|--log: would replace the grid
+grid --device path:path --log ./path|--log: would replace the file that --device names
+grid --device keys --log log|--log: a text log cannot be used with a live device; give a name that ends in .session
+TABLE
 expect 2 '' "play: --device: process: names no program $help" -- play grid --device 'process: '
-expect 2 '' "play: --rate: an adapter lets go of the hand below 20 Hz $help" \
-  -- play grid --device process:true --rate 19
-for rate in 0 -1 nan 1e7 fast; do
-  expect 2 '' "play: --rate: '$rate' is not a rate from 0.001 to 1000000 Hz $help" \
-    -- play grid --device path:path --rate "$rate"
-done
-expect 2 '' "play: --max-force: '-1' is not a number from 0 to 1e+06 N $help" \
-  -- play grid --device path:path --max-force -1
+cmp grid kept
 
-# Paths.
+# Paths; tests/unit/device has what is wrong in one.
 printf '0 0 0\n# comment\n0 over 0\n' >word
 expect 1 '' "play: word: line 3: 'over' is not a number" -- play grid --device path:word --log log
 expect 1 '' "play: standard input: line 3: 'over' is not a number" -- play grid --device path:- <word
-printf '0 0\n' >two
-expect 1 '' "play: two: line 1: the 3 numbers x y z are needed, found 2" -- play grid --device path:two
-printf '0 0 inf\n' >inf
-expect 1 '' "play: inf: line 1: 'inf' is not finite" -- play grid --device path:inf
-expect 1 '' "play: /dev/null: no position in it" -- play grid --device path:/dev/null
 expect 1 '' "play: none: No such file or directory" -- play grid --device path:none
-
-# Rules, and the model beside the grid.
-expect 2 '' "play: --traversal: 'best' is not one of paper, branch, model $help" -- play grid --device path:path --traversal best
-expect 2 '' "play: --beside: how late the model is for a live device cannot be chosen $help" -- play grid --device keys --beside 5
-expect 2 '' "play: --beside: only --traversal branch has branches between which to choose $help" -- \
-  play grid --device path:path --traversal paper --beside on
-expect 2 '' "play: --beside: '20ms' is not on, off or a whole number of ticks from 1 to 10000 $help" -- \
-  play grid --device path:path --beside 20ms
 
 # Grids.
 expect 1 '' "play: none.grid: No such file or directory" -- play none.grid --device path:path
@@ -70,16 +67,7 @@ expect 1 '' "play: model puppet: has no force function, forces cannot be compute
   -- play puppet.grid --device path:path --log log
 unset HAPGRID_MODEL_PATH
 
-# Logs. A file that was there stays as it was, the grid first of all.
-cp grid kept
-expect 2 '' "play: --log: would replace the grid $help" \
-  -- play grid --device path:path --log ./grid
-cmp grid kept
-rm kept
-expect 2 '' "play: --log: would replace the file that --device names $help" \
-  -- play grid --device path:path --log ./path
-expect 2 '' "play: --log: a text log cannot be used with a live device; give a name that ends in .session $help" \
-  -- play grid --device keys --log log
+# Logs.
 expect 1 '' "play: nowhere/log: No such file or directory" \
   -- play grid --device path:path --log nowhere/log
 expect 1 '' "play: /dev/full: No space left on device" -- play grid --device path:path --log /dev/full
@@ -97,4 +85,4 @@ done
 play grid --device path:path --log old.session 2>stderr
 cmp -s old.session kept && fail "the session was not written"
 rm old.session kept stderr
-nothing_left . bin cut grid inf path puppet.grid puppet.toml seeds two word
+nothing_left . bin cut grid path puppet.grid puppet.toml seeds word

@@ -35,12 +35,6 @@ PYTHON
 sed 's/"\.\/unflushed"/"python3", "slow.py"/' unflushed.toml >slow.toml
 expect 0 '' '' -- seed slow.toml --allow-process -o seeds
 
-# A module that is missing: which python3 it was.
-echo 'import no_such_module' >lost.py
-sed 's/"\.\/unflushed"/"python3", "lost.py"/' unflushed.toml >lost.toml
-expect 1 '' "~(.|"$'\n'")*seed: model unflushed: process 'python3 lost\.py' exited with status 1 before it had said what it is: ModuleNotFoundError: No module named 'no_such_module' \(the program is /[^ ]*/python3\)" \
-  -- seed lost.toml --allow-process
-
 # A version: the grid keeps it, and another one does not go on with the grid.
 cat >versions.py <<'PYTHON'
 import types

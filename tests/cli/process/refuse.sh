@@ -83,14 +83,6 @@ for tool in "seed told.toml --allow-process" "expand seeds --allow-process told.
   refuses "${tool%% *}: model puppet: $who version' it speaks version 2 of the protocol, this hapgrid speaks 1" \
     -- $tool -o out
 done
-define puppet deep >told.toml
-refuses "seed: model puppet: $who deep' its first line nests deeper than 64 levels" -- \
-  seed told.toml --allow-process -o out
-define puppet refuse >told.toml
-refuses "seed: model puppet: no way" -- seed told.toml --allow-process -o out
-sed 's/"python3"/"no-such-program"/' good.toml >bad.toml
-refuses "seed: model puppet: process 'no-such-program .*' cannot be started: no program no-such-program in PATH" \
-  -- seed bad.toml --allow-process -o out
 # Another tolerance function than the grid's.
 define puppet rms >told.toml
 changed='was the process changed since the grid was seeded\?'
@@ -110,18 +102,12 @@ fails() {  # WORDS MESSAGE OPTION...
 }
 fails 'die 1' 'exited with status 7'
 fails 'die 1' 'exited with status 7' -j 3
-define puppet hang 1 >told.toml
-sed -i 's/^model = {/&timeout = 0.2, /' told.toml
-refuses "expand: $conversion: $who hang 1' gave no answer within 0\.2 s; asked 3 times" -- expand seeds --allow-process told.toml -o out
 # A model that says itself what is wrong is asked once, and what it said is above the line.
 define puppet raise >told.toml
 expect 1 '' "~Traceback .*KeyError: 'gone'
 expand: $conversion: $who raise' exited with status 1: KeyError: 'gone'" -- \
   expand seeds --allow-process told.toml -o out
 same 'tracebacks' 1 "$(grep -c Traceback "$work/got/err")"
-define puppet garbage >told.toml
-refuses "expand: $conversion: $who garbage' printed 'Segmentation fault .*print\(\.\.\., file=sys\.stderr\) in place of print\(\)" -- \
-  expand seeds --allow-process told.toml -o out
 define puppet fail >told.toml
 refuses "expand: $conversion: told to fail" -- expand seeds --allow-process told.toml -o out
 same "the old file" before "$(cat out)"

@@ -30,50 +30,36 @@ bad() {
   expect 1 '' "~table: $1: $2" -- soon hapgrid table "$1" -o out -q
   [[ ! -e out ]] || fail "$1 leaves a folder"
 }
-sed '$d' good.map >short.map
-bad short.map 'its header speaks of 125 values, and it has 124'
-sed 's/NELEMENTS 4/NELEMENTS 3/' good.map >other.map
-bad other.map 'its header speaks of 100 values, and it has 125'
-sed 's/^17$/x/' good.map >word.map
-bad word.map "'x' among the values is no number"
-sed '/SPACING/s/.*/SPACING/' good.map >none.map
-bad none.map 'no AutoGrid map: SPACING is missing among its first 6 lines, or has not 1 numbers'
-sed 's/NELEMENTS.*/NELEMENTS 9999 9999 9999/' good.map >huge.map
-bad huge.map '1,000,000,000,000 values are too many: at most 16,777,216'
-sed 's/NELEMENTS.*/NELEMENTS 4 4 2/' good.map | head -n 81 >flat.map
-bad flat.map '5 x 5 x 3 values: at least 4 are needed along each axis'
+while IFS='|' read -r kind edit said; do
+  sed "$edit" "good.$kind" >"edited.$kind"
+  bad "edited.$kind" "$said"
+done <<'TABLE'
+map|$d|its header speaks of 125 values, and it has 124
+map|s/NELEMENTS 4/NELEMENTS 3/|its header speaks of 100 values, and it has 125
+map|s/^17$/x/|'x' among the values is no number
+map|/SPACING/s/.*/SPACING/|no AutoGrid map: SPACING is missing among its first 6 lines, or has not 1 numbers
+map|s/NELEMENTS.*/NELEMENTS 9999 9999 9999/|1,000,000,000,000 values are too many: at most 16,777,216
+map|s/NELEMENTS.*/NELEMENTS 4 4 2/;82,$d|5 x 5 x 3 values: at least 4 are needed along each axis
+map|s/^[0-9]*$/nan/|it has no value that is a number
+map|s/SPACING.*/SPACING 1e300/|its origin or spacing is no number below 1e\+30
+dx|s/items 64/items 63/|its positions are 64, and its array has 63 items
+dx|/delta 0 1/d|no OpenDX table: counts, origin, three deltas or 'data follows' is missing
+dx|s/delta 0 1 0/delta 2 0 0/|its axes lie in one plane
+dx|s/rank 0/rank 1 shape 3/|its array has vectors: only one number a point can be felt
+cube|8,$d|its header speaks of 64 values, and it has 0
+cube|3s/1/5/|its header speaks of 5 numbers of an atom, and it has 1
+cube|4s/4/inf/|no cube: lines 3 to 6 need a whole number and 3 others each
+vti|s/WholeExtent="0 3/WholeExtent="0 4/|only an image of one piece can be read
+vti|s/format="ascii"/format="binary"/|its values in base64 are damaged or end in the middle
+vti|s/^17$//|its header speaks of 64 values, and it has 63
+vti|s/<VTK/<!DOCTYPE x [<!ENTITY a "b">]><VTK/|no VTK image: it defines entities of XML
+TABLE
 printf '\0' >zero.map
 bad zero.map 'it is no text file'
-sed 's/items 64/items 63/' good.dx >items.dx
-bad items.dx 'its positions are 64, and its array has 63 items'
-sed '/delta 0 1/d' good.dx >delta.dx
-bad delta.dx "no OpenDX table: counts, origin, three deltas or 'data follows' is missing"
-sed 's/delta 0 1 0/delta 2 0 0/' good.dx >plane.dx
-bad plane.dx 'its axes lie in one plane'
-sed 's/rank 0/rank 1 shape 3/' good.dx >vectors.dx
-bad vectors.dx 'its array has vectors: only one number a point can be felt'
-head -n 7 good.cube >cut.cube
-bad cut.cube 'its header speaks of 64 values, and it has 0'
-sed '3s/1/5/' good.cube >atoms.cube
-bad atoms.cube "its header speaks of 5 numbers of an atom, and it has 1"
-sed '4s/4/inf/' good.cube >inf.cube
-bad inf.cube 'no cube: lines 3 to 6 need a whole number and 3 others each'
-sed 's/WholeExtent="0 3/WholeExtent="0 4/' good.vti >pieces.vti
-bad pieces.vti 'only an image of one piece can be read'
-sed 's/<VTK/<!DOCTYPE x [<!ENTITY a "b">]><VTK/' good.vti >entity.vti
-bad entity.vti 'no VTK image: it defines entities of XML'
-sed 's/format="ascii"/format="binary"/' good.vti >binary.vti
-bad binary.vti '.*'
-sed 's/^17$//' good.vti >few.vti
-bad few.vti 'its header speaks of 64 values, and it has 63'
 head -c 100 good.dx.gz >cut.dx.gz
 bad cut.dx.gz 'its compressed data are .*'
-sed 's/^[0-9]*$/nan/' good.map >nothing.map
-bad nothing.map 'it has no value that is a number'
 sed '7,$s/.*/1/' good.map >same.map
 expect 1 '' '~.*the energy is the same everywhere' -- hapgrid table same.map -o same -q
-sed 's/SPACING.*/SPACING 1e300/' good.map >wide.map
-bad wide.map 'its origin or spacing is no number below 1e\+30'
 # Nothing waits for ever, or takes time or memory that the file's size does not tell.
 grep -v '^[0-9]*$' good.dx >head.dx
 { cat head.dx; printf '\n%.0s' {1..100000}; seq 64; } >blank.dx
@@ -88,7 +74,7 @@ head = struct.pack("<4Q", 1, 64 << 20, 0, len(data))
 open("bomb.vti", "wb").write(open("good.vti", "rb").read().split(b"<DataArray")[0].replace(b"<VTKFile", b'<VTKFile header_type="UInt64" '
     b'compressor="vtkZLibDataCompressor"') + b'<DataArray type="Float64" Name="e" format="appended" offset="0"/></PointData></Piece>'
     b'</ImageData><AppendedData encoding="raw">_' + head + data + b"</AppendedData></VTKFile>")
-text = open("entity.vti").read()
+text = open("edited.vti").read()
 open("wide.vti", "wb").write(text.encode("utf-16"))
 open("named.vti", "wb").write(b"<?xml version='1.0' encoding='cp037'?>" + text.encode("cp037"))
 cube = open("good.cube").read().replace("1 0 0 0", "-1 0 0 0", 1).split("\n")

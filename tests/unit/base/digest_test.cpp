@@ -3,9 +3,6 @@
 
 #include <xxhash.h>
 
-#include <random>
-#include <vector>
-
 #include "tests/unit/catch.hpp"
 
 using namespace hapgrid;

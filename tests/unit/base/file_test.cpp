@@ -5,14 +5,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <fstream>
 #include <sstream>
-#include <system_error>
-#include <thread>
 
 #include "libcore/base/parallel.hpp"
 #include "tests/unit/catch.hpp"
-#include "tests/unit/temporary.hpp"
 
 using namespace hapgrid;
 namespace fs = std::filesystem;

@@ -1,7 +1,6 @@
 #include "libcore/base/text.hpp"
 
 #include <clocale>
-#include <limits>
 
 #include "libcore/base/json.hpp"
 #include "tests/unit/catch.hpp"

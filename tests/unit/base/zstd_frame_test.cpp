@@ -1,13 +1,6 @@
 // Frames: the bytes do not depend on what the thread has coded before.
 #include "libcore/base/zstd_frame.hpp"
 
-#include <cstddef>
-#include <cstdint>
-#include <random>
-#include <span>
-#include <thread>
-#include <vector>
-
 #include "tests/unit/catch.hpp"
 
 using namespace hapgrid;

@@ -1,8 +1,5 @@
 #include "libcore/check/passive.hpp"
 
-#include <cmath>
-#include <limits>
-
 #include "libcore/check/invariants.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/check/tiny_grid.hpp"

@@ -1,7 +1,5 @@
 #include "libcore/check/steep.hpp"
 
-#include <cmath>
-
 #include "libcore/follow/traversal.hpp"
 #include "libcore/grid/vec3.hpp"
 #include "tests/unit/catch.hpp"

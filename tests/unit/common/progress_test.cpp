@@ -5,11 +5,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <cstdio>
-#include <memory>
-#include <string>
-#include <vector>
 
 #include "tests/unit/catch.hpp"
 

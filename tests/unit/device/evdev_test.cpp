@@ -1,15 +1,8 @@
 // What a stick's events mean, and which effects a force becomes: numbers from the kernel's
 // documentation (ff.rst, gamepad.rst, joystick-api.rst; linux/input.h), worked out by hand.
-#include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <limits>
 
-#include "libcore/base/error.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/device/place.hpp"
-#include "tests/unit/refusal.hpp"
-#include "tests/unit/temporary.hpp"
 #include "tools/devices/effects.hpp"
 #include "tools/devices/stick_list.hpp"
 

@@ -1,12 +1,6 @@
 #include "tools/devices/hid_bus.hpp"
 
-#include <filesystem>
-#include <fstream>
-
-#include "libcore/base/error.hpp"
 #include "tests/unit/catch.hpp"
-#include "tests/unit/refusal.hpp"
-#include "tests/unit/temporary.hpp"
 
 using namespace hapgrid;
 

@@ -7,10 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <exception>
-#include <random>
-#include <string_view>
 
 #include "tests/unit/catch.hpp"
 #include "tests/unit/count_allocations.hpp"

@@ -1,7 +1,6 @@
 #include "libcore/device/path.hpp"
 
 #include "tests/unit/catch.hpp"
-#include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;
 
@@ -25,6 +24,9 @@ TEST_CASE("a number that is none is named with its line") {
       {"1 2 3 4", "line 1: more than the 3 numbers x y z"},
       {"1 2 3 next 4", "line 1: more than the 3 numbers x y z"},
       {"1 2 next", "line 1: 'next' is not a number"},
+      {"0 0\n", "line 1: the 3 numbers x y z are needed, found 2"},
+      {"0 0 inf\n", "line 1: 'inf' is not finite"},
+      {"", "no position in it"},
       {"1,5 2 3", "line 1: '1,5' is not a number"},
       {"1 2 1e999", "line 1: '1e999' is beyond double precision"},
       {"1 2 +-3", "line 1: '+-3' is not a number"},

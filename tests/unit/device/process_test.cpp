@@ -2,15 +2,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <chrono>
-#include <filesystem>
-
-#include "libcore/base/error.hpp"
 #include "libcore/device/process_device.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/count_allocations.hpp"
-#include "tests/unit/refusal.hpp"
-#include "tests/unit/temporary.hpp"
 
 using namespace hapgrid;
 

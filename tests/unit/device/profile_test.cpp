@@ -1,14 +1,9 @@
 #include "tools/devices/profile.hpp"
 
-#include <cmath>
-#include <limits>
-#include <random>
-
 #include "libcore/base/file.hpp"
 #include "libcore/grid/vec3.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/device/place.hpp"
-#include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;
 using hapgrid::testing::place;

@@ -1,4 +1,3 @@
-#include <vector>
 
 #include "libcore/grid/box.hpp"
 #include "tests/unit/catch.hpp"

@@ -1,8 +1,6 @@
 // A ligand that turns, against closed forms.
-#include <cmath>
 #include <cstdio>
 #include <hapgrid/plugin.hpp>
-#include <string>
 
 #include "tests/unit/catch.hpp"
 #include "tools/apps/docking/pose.hpp"

@@ -1,9 +1,6 @@
 // A ligand whose bonds turn, against closed forms and differences.
-#include <cmath>
 #include <cstdio>
 #include <hapgrid/plugin.hpp>
-#include <random>
-#include <string>
 
 #include "tests/unit/catch.hpp"
 #include "tools/apps/docking/pose.hpp"
@@ -174,27 +171,6 @@ TEST_CASE("a ligand leaves a ridge that is flat beside a stiff valley") {
   orientation::turn(s, turn);
   poses.relax(x, s);
   CHECK(std::abs(s[5]) == Approx(1));
-}
-
-TEST_CASE("two atoms at one of the host have the energy of both pairs") {
-  // AutoDock 4 in kcal/mol, for atoms without charge: a well of 12-6 at 4 angstrom, and what water
-  // loses, beyond 4.25 angstrom with the distance less 0.25.
-  const auto energy = [](double r) {
-    const double ratio = std::pow(4 / (r - 0.25), 6);
-    return 0.1662 * 0.150 * (ratio * ratio - 2 * ratio) -
-           0.1322 * 2 * 0.00143 * 33.5103 * std::exp(-r * r / (2 * 3.6 * 3.6));
-  };
-  const docking::Poses poses(with(atom(1, "C", 0, 0, 0.5, 0) + atom(2, "C", 0, 0, -0.5, 0), {}),
-                             {{"C", 0, {0, 0, 7}}}, 20);
-  const double x[3] = {0, 0, 1}, s[6] = {1, 0, 0, 0, 1, 0};
-  double slope[3];
-  CHECK(poses.energy(x, s, slope) == Approx(4.184 * (energy(5.5) + energy(6.5))).epsilon(1e-12));
-  CHECK(slope[0] == 0);
-  // Nearer to the host by dz; the differences are exact to 1e-8 of the third derivative.
-  const double dz = 1e-4;
-  const double difference =
-      energy(5.5 - dz) + energy(6.5 - dz) - energy(5.5 + dz) - energy(6.5 + dz);
-  CHECK(slope[2] == Approx(4.184 * difference / (2 * dz)).epsilon(1e-6));
 }
 
 TEST_CASE("the slope among the host's atoms is that of the energy, also where they overlap") {

@@ -1,12 +1,6 @@
 // The model beside the grid: whom the state follows when the grid and the model disagree.
 #include "libcore/follow/beside.hpp"
 
-#include <cmath>
-#include <memory>
-#include <random>
-#include <string>
-#include <vector>
-
 #include "libcore/follow/branch_traversal.hpp"
 #include "libcore/follow/node_force.hpp"
 #include "tests/unit/catch.hpp"

@@ -1,12 +1,5 @@
 // The thread of the model beside the grid: the loop never waits for it, and a step begins with what
 // it said last.
-#include <atomic>
-#include <chrono>
-#include <cmath>
-#include <memory>
-#include <string>
-#include <thread>
-#include <vector>
 
 #include "libcore/follow/beside.hpp"
 #include "libcore/follow/branch_traversal.hpp"

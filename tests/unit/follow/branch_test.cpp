@@ -1,10 +1,5 @@
 // The rule that stays on a branch: where it must agree with the paper's, where it must snap, and
 // that the state jumps nowhere else.
-#include <algorithm>
-#include <cmath>
-#include <memory>
-#include <random>
-#include <vector>
 
 #include "libcore/follow/branch_traversal.hpp"
 #include "libcore/follow/paper_traversal.hpp"

@@ -1,7 +1,4 @@
 // The state of a traversal: interpolation and its continuity.
-#include <cmath>
-#include <random>
-#include <vector>
 
 #include "tests/unit/catch.hpp"
 #include "tests/unit/follow/places.hpp"

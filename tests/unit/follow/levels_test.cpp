@@ -1,7 +1,4 @@
 // Which levels a traversal follows, against the paper's text.
-#include <algorithm>
-#include <cmath>
-#include <random>
 
 #include "tests/unit/catch.hpp"
 #include "tests/unit/follow/literal.hpp"

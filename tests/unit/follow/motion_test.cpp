@@ -1,18 +1,11 @@
 // Motions that are no small steps: jumps, places outside, what is no number; and grids that are
 // none.
-#include <algorithm>
-#include <cmath>
-#include <random>
-#include <string>
-#include <vector>
 
-#include "libcore/base/error.hpp"
 #include "libcore/check/invariants.hpp"
 #include "libcore/grid/vec3.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/count_allocations.hpp"
 #include "tests/unit/follow/places.hpp"
-#include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::testing;

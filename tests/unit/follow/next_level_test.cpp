@@ -1,7 +1,4 @@
 // The hand goes on to the next level at its place: against states that are known.
-#include <cmath>
-#include <memory>
-#include <vector>
 
 #include "libcore/follow/branch_traversal.hpp"
 #include "libcore/follow/paper_traversal.hpp"

@@ -2,10 +2,6 @@
 // it jumps with the state alone.
 #include "libcore/follow/node_force.hpp"
 
-#include <cmath>
-#include <memory>
-#include <random>
-
 #include "libcore/follow/branch_traversal.hpp"
 #include "libcore/grid/vec3.hpp"
 #include "tests/unit/catch.hpp"

@@ -1,14 +1,6 @@
 // Boxes and places in them where a traversal can go wrong, and what must hold wherever it is.
 #pragma once
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <limits>
-#include <random>
-#include <span>
-#include <vector>
-
 #include "libcore/follow/paper_traversal.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/follow/random_grid.hpp"

@@ -1,9 +1,6 @@
 // Angles and orientations against closed forms.
 #include "libcore/grid/equality.hpp"
 
-#include <cmath>
-#include <vector>
-
 #include "tests/unit/catch.hpp"
 
 using namespace hapgrid;

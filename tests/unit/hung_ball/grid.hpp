@@ -1,9 +1,9 @@
 // Grids of the hung ball, by the search itself.
 #pragma once
 
+#include "tests/unit/catch.hpp"
 #include "tests/unit/hung_ball/reference.hpp"
 #include "tests/unit/search/shards.hpp"
-#include "tests/unit/temporary.hpp"
 
 namespace hung_ball {
 

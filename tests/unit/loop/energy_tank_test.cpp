@@ -1,12 +1,6 @@
 // The third promise of the safety core: the energy that a hand gets back, counted outside of it.
 #include "libcore/loop/energy_tank.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <random>
-#include <vector>
-
 #include "libcore/grid/vec3.hpp"
 #include "tests/bench/simulated.hpp"
 #include "tests/unit/catch.hpp"
@@ -161,7 +155,7 @@ TEST_CASE("a late hold of a spring gives K v^2 T^2 / 2 a tick, and the lead take
   // At a speed v to and fro, from 6 to 10 mm inside a spring, once with one more tick of delay than
   // is declared, which gives K v^2 T^2 more. At each end the lead of d + 1 ticks needs 2 (d + 1)
   // ticks to turn, and two for the speed.
-  constexpr double kSpring = 200, kTick = 0.001, kStep = 2e-5;
+  constexpr double kSpring = 200, kStep = 2e-5;
   constexpr double kUnit = kSpring * kStep * kStep;
   constexpr int kTicks = 200, kTurns = 20;
   for (const std::uint32_t delay : {0U, 2U})
@@ -180,13 +174,7 @@ TEST_CASE("a late hold of a spring gives K v^2 T^2 / 2 a tick, and the lead take
           given += sent[sent.size() - 1 - delay - more][0] * (x - before);
           energy = kSpring / 2 * x * x;
           if (i == 499) from = given;
-          sent.push_back(safety
-                             .apply({.force = {-kSpring * x, 0, 0},
-                                     .dt = kTick,
-                                     .place = Vec3{x, 0, 0},
-                                     .model_energy = energy,
-                                     .account = energy})
-                             .force);
+          sent.push_back(safety.apply(on_spring(kSpring, x)).force);
           // The tank never lacks what the spring holds, but for the first step's.
           if (tank) REQUIRE(safety.tank_energy() > energy - 2 * kUnit);
         }
@@ -211,12 +199,7 @@ TEST_CASE("a mass on a spring swings up without the lead, and not with it") {
     SafetyCore safety(limits);
     DeviceInput input;
     while (device.read(input) == DeviceStatus::kOk) {
-      const Vec3& x = input.position;
-      const double energy = kSpring / 2 * dot(x, x);
-      static_cast<void>(device.send(
-          safety
-              .apply({.force = -kSpring * x, .place = x, .model_energy = energy, .account = energy})
-              .force));
+      static_cast<void>(device.send(safety.apply(on_spring(kSpring, input.position[0])).force));
     }
     const double first = kSpring / 2 * 0.003 * 0.003;
     const double last = device.work() + kSpring / 2 * dot(device.position(), device.position());

@@ -26,4 +26,16 @@ inline SafetyLimits only_tank() {
   return limits;
 }
 
+/// A tick in which a spring along x holds its energy, with a hand at x. @param rest of a wall: x
+/// beyond which it is free
+inline SafetyInput on_spring(double stiffness, double x,
+                             double rest = std::numeric_limits<double>::infinity()) {
+  const double deep = x > rest ? 0 : x;
+  const double energy = stiffness / 2 * deep * deep;
+  return {.force = {-stiffness * deep, 0, 0},
+          .place = Vec3{x, 0, 0},
+          .model_energy = energy,
+          .account = energy};
+}
+
 }  // namespace hapgrid::testing

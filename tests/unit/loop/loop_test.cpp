@@ -1,15 +1,6 @@
 #include "libcore/loop/loop.hpp"
 
-#include <algorithm>
-#include <chrono>
-#include <cmath>
-#include <functional>
-#include <random>
 #include <stdexcept>
-#include <string>
-#include <thread>
-#include <utility>
-#include <vector>
 
 #include "libcore/follow/paper_traversal.hpp"
 #include "tests/unit/catch.hpp"

@@ -1,9 +1,5 @@
 // What becomes of a contact that a hand holds: it keeps its force, and no more comes back than was
 // stated.
-#include <algorithm>
-#include <cmath>
-#include <optional>
-#include <vector>
 
 #include "libcore/grid/vec3.hpp"
 #include "libcore/loop/energy_tank.hpp"
@@ -22,17 +18,13 @@ TEST_CASE("a contact that a trembling hand holds keeps its force where its energ
     SafetyCore safety(only_tank());
     std::uint32_t acted = 0;
     for (int i = 0; i < 60000; ++i) {
-      const double x = middle + 3e-4 * std::sin(2 * M_PI * 10 * i * kDt), deep = std::min(x, 0.0);
-      const double energy = kWall / 2 * deep * deep;
-      const SafeForce safe = safety.apply({.force = {-kWall * deep, 0, 0},
-                                           .dt = kDt,
-                                           .place = Vec3{x, 0, 0},
-                                           .model_energy = energy,
-                                           .account = energy});
+      const double x = middle + 3e-4 * std::sin(2 * M_PI * 10 * i * kDt);
+      const SafeForce safe = safety.apply(on_spring(kWall, x, 0));
       if (i < 200) continue;  // at the start the hand's speed is not known
       acted |= safe.acted;
       // Late by a tick, against the motion.
-      REQUIRE(safe.force[0] == Approx(-kWall * deep).margin(kWall * 3e-4 * 2 * M_PI * 10 * kDt));
+      REQUIRE(safe.force[0] ==
+              Approx(-kWall * std::min(x, 0.0)).margin(kWall * 3e-4 * 2 * M_PI * 10 * kDt));
     }
     CHECK((acted & kEnergy) == 0);
     CHECK(safety.tank_energy() < kWall / 2 * std::pow(middle - 3e-4, 2) + 5e-5);
@@ -50,13 +42,8 @@ TEST_CASE("a contact that lacks energy is full within seconds, for what was stat
     given += sent[0] * (x - before);
     worst = std::max(worst, given);
     before = x;
-    const double energy = kWall / 2 * x * x;
     // The hand did not put it in: no ramp grants it.
-    const SafeForce safe = safety.apply({.force = {-kWall * x, 0, 0},
-                                         .dt = kDt,
-                                         .place = Vec3{x, 0, 0},
-                                         .model_energy = energy,
-                                         .account = energy});
+    const SafeForce safe = safety.apply(on_spring(kWall, x));
     sent = safe.force;
     if (i >= 2000) REQUIRE((safe.acted & kEnergy) == 0);
   }
@@ -113,17 +100,12 @@ TEST_CASE("in a contact the full force is there a second after the start and aft
   Vec3 before = kZero;
   for (int i = 0; i < 4000; ++i) {
     REQUIRE(device.read(input) == DeviceStatus::kOk);
-    const double depth = std::max(0.0, -input.position[0]);
-    const Vec3 wall{kWall * depth, 0, 0};
-    const bool silent = i >= 2000 && i < 2050;
-    const SafeForce safe = safety.apply({.force = wall,
-                                         .place = input.position,
-                                         .model_energy = kWall / 2 * depth * depth,
-                                         .account = kWall / 2 * depth * depth,
-                                         .stalled = silent});
+    SafetyInput in = on_spring(kWall, input.position[0], 0);
+    const bool silent = in.stalled = i >= 2000 && i < 2050;
+    const SafeForce safe = safety.apply(in);
     if (i % 2000 >= 1050) {
       REQUIRE((safe.acted & kEnergy) == 0);
-      REQUIRE(wall[0] == Approx(0.75).epsilon(0.02));
+      REQUIRE(in.force[0] == Approx(0.75).epsilon(0.02));
     }
     // A ramp of 500 ms, and a hand of 0.1 m/s at most into 300 N/m.
     if (!silent) REQUIRE(length_of(safe.force - before) < 1.5 / 500 + 2 * 300 * 0.1e-3);
@@ -145,15 +127,12 @@ TEST_CASE("a hand that the ramp pushes out of a contact has its full force when 
   DeviceInput input;
   for (int i = 0; i < 2000; ++i) {
     REQUIRE(device.read(input) == DeviceStatus::kOk);
-    const double depth = std::max(0.0, -input.position[0]);
-    const Vec3 wall{kWall * depth, 0, 0};
-    const SafeForce safe = safety.apply({.force = wall,
-                                         .place = input.position,
-                                         .model_energy = kWall / 2 * depth * depth,
-                                         .account = kWall / 2 * depth * depth});
+    const SafetyInput in = on_spring(kWall, input.position[0], 0);
+    const SafeForce safe = safety.apply(in);
     if (i >= 550) REQUIRE((safe.acted & kEnergy) == 0);
     if (i >= 1000)  // The hand has come to rest, to a step of its encoder.
-      REQUIRE(wall[0] == Approx(kHand * kWall / (kHand + kWall) * 0.005).margin(kWall * kEncoder));
+      REQUIRE(in.force[0] ==
+              Approx(kHand * kWall / (kHand + kWall) * 0.005).margin(kWall * kEncoder));
     static_cast<void>(device.send(safe.force));
   }
 }

@@ -1,16 +1,10 @@
 #include "libcore/loop/safety.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <random>
-
 #include "libcore/grid/vec3.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/follow/random_grid.hpp"
 #include "tests/unit/loop/limits.hpp"
 #include "tests/unit/loop/numbers.hpp"
-#include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::testing;

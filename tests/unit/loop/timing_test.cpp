@@ -1,13 +1,6 @@
 // Histogram, pacer, watchdog and real time.
 #include <sys/resource.h>
 
-#include <algorithm>
-#include <chrono>
-#include <cmath>
-#include <random>
-#include <thread>
-#include <vector>
-
 #include "libcore/base/histogram.hpp"
 #include "libcore/loop/pacer.hpp"
 #include "libcore/loop/realtime.hpp"

@@ -1,6 +1,5 @@
 #include "libcore/model/definition.hpp"
 
-#include "libcore/base/error.hpp"
 #include "tests/unit/catch.hpp"
 
 using namespace hapgrid;

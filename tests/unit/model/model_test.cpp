@@ -1,11 +1,7 @@
-#include <filesystem>
 #include <future>
-#include <limits>
-#include <optional>
 
 #include "libcore/model/plugin_model.hpp"
 #include "tests/unit/catch.hpp"
-#include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::testing;

@@ -2,12 +2,9 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <chrono>
 
-#include "libcore/base/error.hpp"
 #include "libcore/model/process_model.hpp"
 #include "tests/unit/catch.hpp"
-#include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::testing;
@@ -113,6 +110,8 @@ TEST_CASE("what became of a process is said") {
     CHECK(error(fault) ==
           "process 'python3 puppet.py " + fault + " 1' " + what + "; asked 3 times");
   CHECK(error("fail") == "told to fail");
+  CHECK(error("garbage").find("' printed 'Segmentation fault (core dumped)' to standard output") !=
+        std::string::npos);
 }
 
 TEST_CASE("a process that does not get as far as saying what it is") {
@@ -137,6 +136,8 @@ TEST_CASE("a process that does not get as far as saying what it is") {
   CHECK(why({"./puppet.py"})
             .find("model puppet: process './puppet.py' cannot be started in " + kProcesses +
                   ": Permission denied") == 0);
+  CHECK(
+      why({"no-such-program"}).ends_with("cannot be started: no program no-such-program in PATH"));
   CHECK(why({"./nothing"}).find("No such file or directory") != std::string::npos);
   CHECK(why({"true"}) ==
         "model puppet: process 'true' exited with status 0 before it had said what it is");

@@ -1,12 +1,7 @@
 // The lines of a model process (libcore/model/protocol.hpp).
 #include "libcore/model/protocol.hpp"
 
-#include <cmath>
-#include <limits>
-
-#include "libcore/base/error.hpp"
 #include "tests/unit/catch.hpp"
-#include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::testing;
@@ -133,6 +128,9 @@ TEST_CASE("what a model says of itself") {
   CHECK_THROWS_AS(read_first_line(R"({"error": "no"})"), RefusedError);
   CHECK(refused("\"hapgrid\": 1", "\"hapgrid\": " + std::string(63, '[') + std::string(63, ']'))
             .starts_with("it speaks version [[["));
+  CHECK(refusal([] {
+          read_first_line("{\"hapgrid\": " + std::string(100'000, '[') + "}");
+        }).find("its first line nests deeper than 64 levels") == 0);
   CHECK(refusal([] { read_first_line("{\"a\""); }).starts_with("its first line is no JSON: "));
   CHECK(
       refusal([] { read_first_line("hello"); }).starts_with("printed 'hello' to standard output"));

@@ -66,30 +66,6 @@ TEST_CASE("all minima are known states, and the molecule rests in them") {
   }
 }
 
-TEST_CASE("pushes lead from anti to gauche, where it stays, and from another side back") {
-  const auto model = kDichloroethane.make({kUnlifted});
-  std::istringstream lines(text("dichloroethane", "path-there-and-back.txt"));
-  State s(7);
-  hapgrid::Vec3 at{};
-  double rested = 0;  // the t that it rested in, outside anti
-  bool first = true;
-  for (std::string line; std::getline(lines, line);) {
-    if (line[0] == '#') continue;
-    std::istringstream numbers(line);
-    hapgrid::Vec3 x;
-    numbers >> x[0] >> x[1] >> x[2];
-    if (!first) s = convert(*model, s, at, {x[0] - at[0], x[1] - at[1], x[2] - at[2]});
-    first = false;
-    at = x;
-    if (model->force(at, s.data()) == hapgrid::Vec3{} && std::abs(s[0]) > 0.1) {
-      if (rested != 0) CHECK(s[0] == Approx(rested).margin(0.01));
-      rested = s[0];
-    }
-  }
-  CHECK(std::abs(rested) == Approx(17 / 54.0).margin(0.01));
-  CHECK(s == State(7));
-}
-
 TEST_CASE("a path that leads round closes, and an atom that is held goes round and round") {
   const Source round{"held/dichloroethane", {"Cl1-C2-C3-Cl4.xyz"}};
   Molecule molecule = round.read();

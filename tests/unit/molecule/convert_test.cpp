@@ -1,9 +1,4 @@
 // The conversion function as the filters call it, through the plug-in.
-#include <algorithm>
-#include <array>
-#include <cstdint>
-#include <tuple>
-#include <utility>
 
 #include "libcore/grid/vec3.hpp"
 #include "libcore/scene/drawing.hpp"

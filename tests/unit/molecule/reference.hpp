@@ -5,13 +5,8 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <Eigen/SVD>
-#include <cmath>
-#include <fstream>
-#include <random>
 #include <sstream>
 #include <stdexcept>
-#include <string>
-#include <vector>
 
 #include "libcore/model/plugin_model.hpp"
 #include "tests/unit/catch.hpp"

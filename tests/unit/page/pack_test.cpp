@@ -1,14 +1,9 @@
 // A grid that is packed for a page and unpacked there is the same, but for what is not seen.
 #include "tools/page/pack.hpp"
 
-#include <algorithm>
-#include <random>
-#include <vector>
-
 #include "libcore/grid/grid.hpp"
 #include "libcore/grid/vec3.hpp"
 #include "tests/unit/catch.hpp"
-#include "tests/unit/refusal.hpp"
 #include "tools/page/packed_grid.hpp"
 
 using namespace hapgrid;

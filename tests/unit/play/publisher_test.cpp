@@ -6,15 +6,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <chrono>
-#include <thread>
-#include <vector>
-
 #include "tests/unit/catch.hpp"
 #include "tests/unit/count_allocations.hpp"
 #include "tests/unit/scene/scenes.hpp"
-#include "tests/unit/temporary.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::testing;

@@ -1,8 +1,6 @@
 // What a picture is made of, before it has pixels.
 #include "libcore/scene/drawing.hpp"
 
-#include <vector>
-
 #include "libcore/scene/scene.hpp"
 #include "tests/unit/catch.hpp"
 

@@ -1,14 +1,6 @@
 // The picture: silhouettes, occlusion, colours, what is fitted into it.
 #include "libcore/scene/render.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdint>
-#include <cstdlib>
-#include <limits>
-#include <vector>
-
 #include "libcore/scene/drawing.hpp"
 #include "libcore/scene/legend.hpp"
 #include "libcore/scene/letters.hpp"

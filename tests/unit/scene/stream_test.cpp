@@ -4,14 +4,9 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <array>
-#include <cmath>
 #include <cstring>
 #include <numbers>
-#include <optional>
-#include <tuple>
 
-#include "libcore/base/error.hpp"
 #include "libcore/scene/scene.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/scene/scenes.hpp"

@@ -1,14 +1,7 @@
 // The search against the paper's Algorithm 1, written down line by line in reference.hpp.
-#include <algorithm>
-#include <atomic>
-#include <chrono>
-#include <memory>
-#include <thread>
-#include <vector>
 
 #include "tests/unit/catch.hpp"
 #include "tests/unit/search/shards.hpp"
-#include "tests/unit/temporary.hpp"
 
 using namespace hapgrid;
 

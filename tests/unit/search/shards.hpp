@@ -4,16 +4,6 @@
 
 #include <fcntl.h>
 
-#include <algorithm>
-#include <array>
-#include <filesystem>
-#include <functional>
-#include <optional>
-#include <random>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "libcore/model/plugin_model.hpp"
 #include "libcore/search/complete.hpp"
 #include "libcore/search/expand.hpp"

@@ -7,13 +7,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <chrono>
-#include <thread>
-
 #include "tests/unit/catch.hpp"
 #include "tests/unit/count_allocations.hpp"
 #include "tests/unit/session/ticks.hpp"
-#include "tests/unit/temporary.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::testing;

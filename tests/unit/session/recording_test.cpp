@@ -6,7 +6,6 @@
 #include "tests/unit/catch.hpp"
 #include "tests/unit/count_allocations.hpp"
 #include "tests/unit/session/ticks.hpp"
-#include "tests/unit/temporary.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::testing;

@@ -1,14 +1,10 @@
 // What is recorded comes back to the last bit, up to where a file is cut or damaged.
-#include <filesystem>
-#include <fstream>
 #include <iterator>
 
 #include "libcore/session/reader.hpp"
 #include "libcore/session/recorder.hpp"
 #include "tests/unit/catch.hpp"
-#include "tests/unit/refusal.hpp"
 #include "tests/unit/session/ticks.hpp"
-#include "tests/unit/temporary.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::testing;

@@ -3,15 +3,6 @@
 
 #include <fcntl.h>
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <map>
-#include <random>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "libcore/shard/writer.hpp"
 #include "tests/unit/catch.hpp"
 

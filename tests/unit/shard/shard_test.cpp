@@ -1,11 +1,8 @@
 // What is written comes back, row by row, whatever its chunks are.
-#include <filesystem>
-#include <fstream>
 
 #include "libcore/shard/reader.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/shard/rows.hpp"
-#include "tests/unit/temporary.hpp"
 
 using namespace hapgrid;
 

@@ -4,9 +4,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
-#include <cmath>
-#include <random>
-#include <vector>
 
 #include "tests/unit/catch.hpp"
 

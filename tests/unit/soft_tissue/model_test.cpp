@@ -1,7 +1,4 @@
 // The plug-in around the soft tissue's finite elements.
-#include <algorithm>
-#include <cmath>
-#include <vector>
 
 #include "libcore/model/plugin_model.hpp"
 #include "tests/unit/catch.hpp"

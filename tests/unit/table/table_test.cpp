@@ -1,9 +1,4 @@
 // Splines and fields against polynomials, which a not-a-knot spline reproduces.
-#include <array>
-#include <cmath>
-#include <limits>
-#include <string>
-#include <vector>
 
 #include "tests/unit/catch.hpp"
 #include "tools/apps/table/field.hpp"

@@ -5,16 +5,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <atomic>
-#include <chrono>
-#include <filesystem>
-#include <fstream>
-#include <thread>
-
-#include "libcore/base/error.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/scene/scenes.hpp"
-#include "tests/unit/temporary.hpp"
 
 using namespace hapgrid;
 using testing::small_frame;

@@ -1,9 +1,6 @@
 // The bytes of IMD against literals, written by hand from the protocol's text.
 #include "tools/view/imd_protocol.hpp"
 
-#include <random>
-#include <string>
-
 #include "tests/unit/catch.hpp"
 #include "tests/unit/scene/scenes.hpp"
 

@@ -1,9 +1,6 @@
 // The line of numbers.
 #include "tools/view/status.hpp"
 
-#include <cmath>
-#include <limits>
-
 #include "tests/unit/catch.hpp"
 
 using namespace hapgrid;

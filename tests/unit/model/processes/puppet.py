@@ -6,7 +6,7 @@ a process that lived can be checked, and `fault` says what it does beside answer
     raise      an exception that nobody catches
     fail       answers {"error": ...}
     poison     dies at the questions whose s[0] is above AT, whoever asks
-  or before: import version deep unknown-key no-size refuse mute dead binary late-start rms
+  or before: import version unknown-key no-size mute dead binary late-start rms
   or always: reverse (answers all that came together last first), slow-end (stays after its input),
     chatty (answers with more keys than asked for), stderr, group (starts a process that stays in
     its group), dying-group (and dies at the AT-th question)
@@ -59,14 +59,10 @@ if fault == "import":
     import no_such_module  # noqa: F401
 if fault == "version":
     description["hapgrid"] = 2
-elif fault == "deep":
-    say('{"hapgrid": ' + "[" * 100_000 + "]" * 100_000 + "}\n")
 elif fault == "unknown-key":
     description["tolerence"] = 1
 elif fault == "no-size":
     del description["state_size"]
-elif fault == "refuse":
-    description = {"error": "no\nway"}
 elif fault == "mute":
     time.sleep(1000)
 elif fault == "dead":
