@@ -1,5 +1,10 @@
 #include "libcore/check/accuracy.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "libcore/base/error.hpp"
 #include "libcore/follow/paper_traversal.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
@@ -55,6 +60,7 @@ Check row(const Grid& grid, const Walked& walked, std::optional<double> wanted =
 double square(const Vec3& x) { return x[0] * x[0]; }
 double linear(const Vec3& x) { return 1 + x[0] - 3 * x[1] + 0.5 * x[2]; }
 double products(const Vec3& x) { return x[0] * x[1] * x[2] + x[0] * x[1] - x[2]; }
+double kink(const Vec3& x) { return std::abs(x[0] - 0.3); }
 
 }  // namespace
 
@@ -110,6 +116,18 @@ TEST_CASE("what multilinear interpolation has exactly is exact") {
   CHECK(flat.places == 5 * kPlacesInWalk);
   for (const PlayError& e : flat.one_branch) CHECK(std::isnan(e.coarse_state));
   CHECK(walk(grid_of(linear, {{0, 0, 0}, 1, {1, 1, 1}}), model_of(linear), 5).places == 0);
+}
+
+TEST_CASE("a kink is off where it is, by at most the half of its turn and h/2") {
+  const double h = 0.5;
+  const Walked walked = walk(grid_of(kink, {{-2, 0, 0}, h, {9, 1, 1}}), model_of(kink), 100);
+  CHECK(walked.state.value <= 2 * h / 4);
+  CHECK(walked.state.value > 0.9 * 2 * 0.3 * 0.2 / 0.5);  // of the kink 0.3 into its cell
+  std::size_t off = 0;
+  for (const PlayError& e : walked.one_branch) off += e.state > 1e-12;
+  // One cell of eight.
+  CHECK(static_cast<double>(off) / static_cast<double>(walked.places) ==
+        Approx(0.125).epsilon(0.4));
 }
 
 TEST_CASE("places without change are counted apart, and walks begin where there is one") {

@@ -54,7 +54,7 @@ def write(start: Start, turned: Sequence[Torsion], ways: Sequence[str]) -> list[
     azimuth = np.arctan2(y[far], x[far])  # from here or from behind, the hand moves across the picture
     side = sum(np.mean(log[a]) * part for a, part in (("x", np.sin(azimuth)), ("y", -np.cos(azimuth))))
     azimuth = f"{np.degrees(azimuth) + (180 if side < 0 else 0):.0f}"  # the one to which the hand is nearer
-    run("view", "played.frames", "--azimuth", azimuth, "--elevation", "10", "--html", "played.html")
+    run("view", "played.frames", "--from", f"{azimuth},10", "--html", "played.html")
     felt = folder.feel_page(f"{folder.name()}.grid")
     folder.write("index.html", page(start, turned, ways, felt))
     return [*felt, "played.log", "played.frames", "played.xyz", "played.pdb", "played.html", "index.html"]
