@@ -39,7 +39,6 @@ done
 # Straight across the hung ball, off its middle: what tears off, and where.
 awk 'BEGIN { for (x = -0.9; x <= 0.9; x += 0.001) print x, 0.07, 0.03 }' >path
 for rule in paper branch model; do
-  play ball.grid --device path:path --beside off --traversal "$rule" --log "$rule.log" 2>/dev/null
+  play ball.grid --device path:path --beside off --traversal "$rule" --log "$rule" 2>/dev/null
 done
-plot columns model.log paper.log branch.log --x x --y s0 --names 'the model,paper,branch' \
-  --labels 'x of the HIP / rope lengths,angle of the ball α / rad' -o "$picture"
+plot columns model paper branch --x x --y s0 --grid ball.grid -o "$picture"
