@@ -64,7 +64,7 @@ for curve, ticks in ((there, slice(0, 181)), (back, slice(180, None))):
     assert max(distance) < 0.01, max(distance)  # simplified lines keep to the points of the log
 
 has("force.svg", "x of the force / N", "as sent", "of the model", "there", "back")
-has("three.svg", "time / s", "x of the force / N", "a log", "a session", "frames")
+has("three.svg", "time / s", "x of the force / N", "a.log", "a.session", "a.frames")
 assert "back" not in texts("three.svg")
 has("words.svg", "a", "b / c")
 has("session.svg", "time / s", "force / N", "HIP / rope lengths", "as sent", "of the model", "snap", "ramped", "the model snaps")

@@ -11,7 +11,7 @@ play grid --device path:path --log a.log --frames a.frames 2>/dev/null
 play grid --device path:path --log a.session 2>/dev/null
 
 expect 0 '' '' -- plot columns a.log --x x --y s0 --grid grid -o loop.svg
-expect 0 '' '' -- plot columns a.log a.session a.frames --y sent_x --names 'a log,a session,frames' -o three.svg
+expect 0 '' '' -- plot columns a.log a.session a.frames --y sent_x -o three.svg
 expect 0 '' '' -- plot session a.session -o session.svg
 plot slice grid --at y=0 -o - >levels.png
 expect 0 '' '' -- plot field grid --at y=0 -o field.svg

@@ -66,8 +66,6 @@ def arguments(words: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--x", metavar="COLUMN", help="column along the horizontal axis (default: t)")
     parser.add_argument("--y", metavar="COLUMN", help="column along the vertical axis")
     parser.add_argument("--grid", metavar="GRID", help="grid that was played: units, and a session's states and energies")
-    parser.add_argument("--names", metavar="A,B,...", help="names of the files in the legend")
-    parser.add_argument("--labels", metavar="X,Y", help="labels of the axes, in place of the columns' names and units")
     parser.add_argument("--walks", metavar="N", type=int, help="random walks for each grid of error (default: 100)")
     parser.add_argument("--allow-process", metavar="MODEL.toml", help="definition whose command may be run for error")
     parser.add_argument("-h", "--help", action="help", help="print this help and exit")
@@ -84,21 +82,15 @@ def checked(options: argparse.Namespace) -> argparse.Namespace:
     """The options, where each of them means something for the picture. Raises Wrong."""
     from hapgrid.style import kind_of
 
-    mine = {"slice": {"at"}, "field": {"at"}, "columns": {"x", "y", "grid", "names", "labels"},
+    mine = {"slice": {"at"}, "field": {"at"}, "columns": {"x", "y", "grid"},
             "session": {"grid"}, "error": {"walks", "allow_process"}}[options.picture]
-    for name in ("at", "x", "y", "grid", "names", "labels", "walks", "allow_process"):
+    for name in ("at", "x", "y", "grid", "walks", "allow_process"):
         if getattr(options, name) is not None and name not in mine:
             raise Wrong(f"--{name.replace('_', '-')} is not for {options.picture}")
     if options.picture in ("slice", "field", "session") and len(options.files) != 1:
         raise Wrong(f"{options.picture} draws one file, not {len(options.files)}")
     if options.picture == "columns" and options.y is None:
         raise Wrong("columns needs --y COLUMN")
-    options.labels = options.labels and options.labels.split(",")
-    if options.labels and (len(options.labels) != 2 or not all(options.labels)):
-        raise Wrong("--labels takes two texts with a comma between")
-    options.names = options.names and options.names.split(",")
-    if options.names and len(options.names) != len(options.files):
-        raise Wrong(f"--names has {len(options.names)} names for {len(options.files)} files")
     if options.walks is not None and not 1 <= options.walks <= 10000:
         raise Wrong("--walks must be from 1 to 10000")
     if options.output is None:
@@ -122,7 +114,7 @@ def draw(options: argparse.Namespace) -> None:
     elif options.picture == "field":
         figure = plot.field(options.files[0], options.at)
     elif options.picture == "columns":
-        figure = plot.columns(options.files, options.x or "t", options.y, grid=options.grid, names=options.names, labels=options.labels)
+        figure = plot.columns(options.files, options.x or "t", options.y, grid=options.grid)
     elif options.picture == "session":
         figure = plot.session(options.files[0], options.grid)
     else:
