@@ -12,11 +12,9 @@
 //     "I" path       only listened to:
 //                    <-  "i" report    an input report
 //                    <-  "e" text      hid_read fails, with this error
-//                    <-  "s" n         hid_read sleeps n ms, whatever its time-out is
 //     "C" path       <-  "k", or "e" text: it cannot be opened
 //     "w" report     <-  "r" n [text]  what hid_write answers; hid_write waits for it
 //     "f" report     <-  "r" n [text]  hid_send_feature_report
-//     "g" id         <-  "r" n report  hid_get_feature_report
 //
 // A connection that the device process closes is an unplugged device.
 #define _GNU_SOURCE
@@ -28,7 +26,6 @@
 #include <string.h>
 #include <sys/socket.h>
 #include <sys/un.h>
-#include <time.h>
 #include <unistd.h>
 
 enum { kMaxMessage = 8192 };
@@ -63,9 +60,6 @@ static int dial(char letter, const char* path) {
   return fd;
 }
 
-int hid_init(void) { return 0; }
-int hid_exit(void) { return 0; }
-
 hid_device* hid_open_path(const char* path) {
   hid_device* device = calloc(1, sizeof *device);
   char answer[256] = "eno device process";
@@ -91,37 +85,19 @@ void hid_close(hid_device* device) {
 int hid_read_timeout(hid_device* device, unsigned char* data, size_t length, int milliseconds) {
   struct pollfd ready = {device->input, POLLIN, 0};
   static __thread char message[kMaxMessage];
-  for (;;) {
-    if (poll(&ready, 1, milliseconds) <= 0) return 0;
-    const ssize_t got = recv(device->input, message, sizeof message - 1, 0);
-    if (got <= 0) {
-      set_error(device->error, "device disconnected");
-      return -1;
-    }
-    message[got] = 0;
-    if (message[0] == 'e') {
-      set_error(device->error, message + 1);
-      return -1;
-    }
-    if (message[0] == 's') {
-      int32_t n;
-      memcpy(&n, message + 1, sizeof n);
-      const struct timespec time = {n / 1000, n % 1000 * 1000000L};
-      nanosleep(&time, NULL);
-      continue;
-    }
-    const size_t size = (size_t)got - 1 < length ? (size_t)got - 1 : length;
-    memcpy(data, message + 1, size);
-    return (int)size;
+  if (poll(&ready, 1, milliseconds) <= 0) return 0;
+  const ssize_t got = recv(device->input, message, sizeof message - 1, 0);
+  message[got > 0 ? got : 0] = 0;
+  if (got <= 0 || message[0] == 'e') {
+    set_error(device->error, got <= 0 ? "device disconnected" : message + 1);
+    return -1;
   }
+  const size_t size = (size_t)got - 1 < length ? (size_t)got - 1 : length;
+  memcpy(data, message + 1, size);
+  return (int)size;
 }
 
-int hid_read(hid_device* device, unsigned char* data, size_t length) {
-  return hid_read_timeout(device, data, length, -1);
-}
-
-static int ask(hid_device* device, char letter, const unsigned char* data, size_t size,
-               unsigned char* answer, size_t room) {
+static int ask(hid_device* device, char letter, const unsigned char* data, size_t size) {
   static __thread char message[kMaxMessage];
   int32_t n = -1;
   if (size < sizeof message) {
@@ -133,8 +109,6 @@ static int ask(hid_device* device, char letter, const unsigned char* data, size_
         message[got] = 0;
         memcpy(&n, message + 1, sizeof n);
         set_error(device->error, n < 0 ? message + 5 : "Success");
-        for (int32_t i = 0; answer && i < n && (size_t)i < room; ++i)
-          answer[i] = (unsigned char)message[5 + i];
         return n;
       }
     }
@@ -144,13 +118,10 @@ static int ask(hid_device* device, char letter, const unsigned char* data, size_
 }
 
 int hid_write(hid_device* device, const unsigned char* data, size_t length) {
-  return ask(device, 'w', data, length, NULL, 0);
+  return ask(device, 'w', data, length);
 }
 int hid_send_feature_report(hid_device* device, const unsigned char* data, size_t length) {
-  return ask(device, 'f', data, length, NULL, 0);
-}
-int hid_get_feature_report(hid_device* device, unsigned char* data, size_t length) {
-  return ask(device, 'g', data, 1, data, length);
+  return ask(device, 'f', data, length);
 }
 const wchar_t* hid_error(hid_device* device) { return device ? device->error : open_error; }
 
@@ -207,5 +178,3 @@ void hid_free_enumeration(struct hid_device_info* info) {
     info = next;
   }
 }
-
-const char* hid_version_str(void) { return "stand-in"; }
