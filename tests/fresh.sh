@@ -39,7 +39,8 @@ type_in() {
   eval "$lines"
 }
 
-# felt COMMAND...: hapgrid feel; the page that it writes must have the scene, the player and the grid.
+# felt COMMAND...: hapgrid feel; the page that it writes must have the scene, the player and the grid, and the player must ask
+# nothing of a system, which a browser has not.
 felt() {
   local said page
   said=$("$@" 2>&1) || { echo "$said"; exit 1; }
@@ -48,6 +49,7 @@ felt() {
   sed -n 's/^const packed = {"player":"\([^"]*\)","grid":"\([^"]*\)"};$/\1 \2/p' "$page" | {
     read -r player grid
     ((${#player} > 40000 && ${#grid} > 10000)) || { echo "no player or no grid in '$page'"; exit 1; }
+    python3 -c 'import base64, sys, zlib; assert b"wasi_snapshot" not in zlib.decompress(base64.b64decode(sys.stdin.read()))' <<<"$player"
   }
   echo "$page: $(stat -c %s "$page") bytes"
 }

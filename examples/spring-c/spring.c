@@ -20,6 +20,8 @@
 
 enum { kBeads = 3 }; /* the spheres that show a state: the bead, and the two wells */
 
+enum { STATE_SIZE = 1 };
+
 struct hapgrid_model {
   double wells, depth, stiffness, reach, strength, tolerance; /* the parameters */
   double b;                                                   /* N/mm^3 */
@@ -97,7 +99,7 @@ static hapgrid_model* create(const hapgrid_parameter* parameters, size_t count, 
 }
 
 static void info(const hapgrid_model* m, hapgrid_model_info* info) {
-  info->state_size = 1;
+  info->state_size = STATE_SIZE;
   info->d_max = m->reach;
   info->tolerance = m->tolerance;
   snprintf(info->tolerance_unit, sizeof info->tolerance_unit, "mm");
@@ -138,7 +140,9 @@ static int convert(hapgrid_model* m, const double* s, const double* x, const dou
 }
 
 static int equal(const hapgrid_model* m, const double* a, const double* b) {
-  return fabs(*a - *b) <= m->tolerance;
+  for (int k = 0; k < STATE_SIZE; ++k)
+    if (!(fabs(a[k] - b[k]) <= m->tolerance)) return 0;
+  return 1;
 }
 
 /* -dE/dp at fixed s. As dE/ds = 0, it is also the slope along the branch. */

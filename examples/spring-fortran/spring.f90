@@ -16,6 +16,7 @@ module spring
   implicit none
   private
 
+  integer, parameter :: state_size = 1
   integer, parameter :: beads = 3   ! the spheres that show a state: the bead, and the two wells
   integer, parameter :: dp = c_double
 
@@ -142,7 +143,7 @@ contains
     type(hapgrid_model_info), intent(inout) :: about
     type(spring_model), pointer :: m
     m => model_of(handle)
-    about%state_size = 1
+    about%state_size = state_size
     about%d_max = m%reach
     about%tolerance = m%tolerance
     call put('mm', about%tolerance_unit)
@@ -199,11 +200,11 @@ contains
 
   function equal(handle, a, b) result(same) bind(c, name='')
     type(c_ptr), value :: handle
-    real(dp), intent(in) :: a, b
+    real(dp), intent(in) :: a(state_size), b(state_size)
     integer(c_int) :: same
     type(spring_model), pointer :: m
     m => model_of(handle)
-    same = merge(1, 0, abs(a - b) <= m%tolerance)
+    same = merge(1, 0, all(abs(a - b) <= m%tolerance))
   end function
 
   ! -dE/dp at fixed s. As dE/ds = 0, it is also the slope along the branch.

@@ -35,7 +35,7 @@ HAPGRID_MODEL_PATH=second expect 0 '' '' -- expand seeds -o requests
 # Names are plain.
 for name in ../toy ./toy toy.so /etc/passwd '' -toy 'to y'; do
   define "$name" >bad.toml
-  refuses "seed: model '.*': a plug-in's name has only letters, digits, '-' and '_'" -- seed bad.toml -o out
+  refuses "seed: model '.*': a plug-in's name has only letters, digits, '-' and '_'; HAPGRID_MODEL_PATH says where NAME.so is" -- seed bad.toml -o out
 done
 
 # No plug-ins, or of another version of the interface.

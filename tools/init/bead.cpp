@@ -20,6 +20,8 @@ namespace {
 
 class Bead {
  public:
+  static constexpr int kStateSize = 1;
+
   // The parameters of the definition, with their defaults.
   explicit Bead(hapgrid::PluginParameters& parameters)
       : wells_(parameters.positive("wells", 10)),
@@ -34,7 +36,7 @@ class Bead {
 
   hapgrid_model_info info() const {
     hapgrid_model_info info{};
-    info.state_size = 1;
+    info.state_size = kStateSize;
     info.d_max = reach_;
     info.tolerance = tolerance_;
     std::snprintf(info.tolerance_unit, sizeof info.tolerance_unit, "mm");
@@ -65,7 +67,11 @@ class Bead {
     }
   }
 
-  bool equal(const double* a, const double* b) const { return std::abs(*a - *b) <= tolerance_; }
+  bool equal(const double* a, const double* b) const {
+    for (int k = 0; k < kStateSize; ++k)
+      if (!(std::abs(a[k] - b[k]) <= tolerance_)) return false;
+    return true;
+  }
 
   // -dE/dx, in newtons.
   void force(const double* x, const double* s, double* force) const {

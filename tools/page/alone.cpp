@@ -3,6 +3,7 @@
 // was packed).
 #include <cstdlib>
 #include <string>
+#include <version>
 
 #include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
@@ -16,6 +17,14 @@ std::string vformat(fmt::string_view text, fmt::format_args) { return {text.data
 std::string to_text(double) { return "?"; }
 
 }  // namespace hapgrid
+
+#if _LIBCPP_VERSION >= 160000
+// Its own one prints, for which a page would need a system with files.
+void std::__libcpp_verbose_abort(const char*,
+                                 ...) noexcept(noexcept(std::__libcpp_verbose_abort(""))) {
+  __builtin_trap();
+}
+#endif
 
 extern "C" {
 void* __cxa_allocate_exception(std::size_t size) { return std::malloc(size); }

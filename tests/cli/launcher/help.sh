@@ -25,6 +25,12 @@ for tool in "${tools[@]}"; do
   grep -q "^\.TH ${page^^} \"1\" " "$man" || fail "the title of $man: $(grep '^\.TH' "$man")"
   same "name in $man" "~$page "'\\- [a-z].*' "$(sed -n '/^\.SH NAME/{n;p}' "$man")"
   grep -q '^\.SH EXAMPLES' "$man" || fail "$man has no EXAMPLES"
+  # What `hapgrid help` makes of it without man: each heading, nothing of the format, and 79 columns.
+  hapgrid help "$tool" >text
+  sed -nE 's/^\.S[HS] "?([^"]*)"?$/\1/p' "$man" >headings
+  cmp headings <(grep -Fxf headings text) || fail "hapgrid help $tool lacks headings"
+  ! grep -E '\\|^ *\.[A-Z]' text || fail "hapgrid help $tool has roff"
+  (($(wc -L <text) < 80)) || fail "hapgrid help $tool is $(wc -L <text) columns wide"
   # SEE ALSO names pages that there are.
   sed -n '/^\.SH "SEE ALSO"/,/^\.SH/p' "$man" | grep -oE 'hapgrid[a-z-]*' >others || fail "$man has no SEE ALSO"
   while read -r other; do

@@ -15,7 +15,6 @@ for module in json hapgrid numpy; do
 done
 expect 0 'json: a model in C; cd json && make && make play' '' -- hapgrid init json --lang c
 rm -r json
-same 'help by name' "$(hapgrid init --help)" "$(hapgrid help init)"
 (($(hapgrid init --help | wc -L) <= 80)) || fail 'the help is wider than 80 columns'
 mkdir there
 refuses 'hapgrid: init: there is there already; nothing was changed' -- hapgrid init there

@@ -52,6 +52,11 @@ echo 'raise ImportError("No module named matplotlib")' >hidden/matplotlib.py
 echo old >old.png
 PYTHONPATH=$PWD/hidden refuses 'plot: No module named matplotlib: install the Debian package python3-matplotlib, or pip install .hapgrid.plot..' -- \
   other/bin/plot columns log --y s0 -o old.png
+rm -r hidden
+mkdir hidden
+echo 'raise ModuleNotFoundError("No module named numpy")' >hidden/numpy.py
+PYTHONPATH=$PWD/hidden refuses 'plot: No module named numpy: install the Debian package python3-matplotlib, or pip install .hapgrid.plot..' -- \
+  other/bin/plot columns log --y s0 -o old.png
 # Modules of another Python, to which PYTHONPATH leads, are left alone.
 PYTHONPATH=$PWD/hidden expect 0 '' '' -- plot columns log --y s0 -o a.png
 same 'the old picture' old "$(cat old.png)"

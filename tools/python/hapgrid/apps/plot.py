@@ -138,6 +138,9 @@ def main() -> int:
     except OSError as why:
         print(f"plot: {why.filename}: {why.strerror}" if why.filename else f"plot: {why}", file=sys.stderr)
         return 1
+    except ModuleNotFoundError as why:  # numpy, which everything needs; matplotlib's own message says as much
+        print(f"plot: {why}: install the Debian package python3-matplotlib, or pip install 'hapgrid[plot]'", file=sys.stderr)
+        return 1
     except (ValueError, ImportError) as why:
         print(f"plot: {' '.join(str(why).split())}", file=sys.stderr)
         return 1
