@@ -10,15 +10,24 @@ needs node nodejs
 needs_python scipy python3-scipy
 host=$HAPGRID_SOURCE/examples/docking/calix.mol2 ligand=$HAPGRID_SOURCE/examples/docking/formamide.mol2
 
-hapgrid dock "$host" "$ligand" -o usual --centre 0,0,3 --size 2,2,3 --map-spacing 0.375 --until definition -q
+hapgrid dock "$host" "$ligand" -o usual --centre 0,0,3 --size 2,2,3 --until definition -q
 /usr/bin/python3 "$here/energies.py" usual on
-hapgrid dock "$host" "$ligand" -o fine --centre 0,0,2.5 --size 0.5,0.5,0.5 --map-spacing 0.05 --until definition -q
-/usr/bin/python3 "$here/energies.py" fine between
-hapgrid dock "$host" "$ligand" -o coarse --centre 0,0,2.5 --size 0.5,0.5,0.5 --map-spacing 0.375 --until definition -q
+# finer FOLDER: the maps in it, 0.05 angstrom apart, by autogrid4 itself.
+finer() (
+  cd "$1"
+  sed -i 's/^npts .*/npts 126 126 126/; s/^spacing .*/spacing 0.05/' host.gpf
+  autogrid4 -p host.gpf -l host.glg >said 2>&1 || fail "$(cat said)"
+)
+small_box=(--centre '0,0,2.5' --size '0.5,0.5,0.5')
+hapgrid dock "$host" "$ligand" -o fine "${small_box[@]}" --until definition -q
+finer fine
+hapgrid dock fine/host.maps.fld "$ligand" -o mine "${small_box[@]}" --until definition -q
+/usr/bin/python3 "$here/energies.py" mine own fine
+hapgrid dock "$host" "$ligand" -o coarse "${small_box[@]}" --until definition -q
 /usr/bin/python3 "$here/energies.py" coarse between fine
 
 # Above the cavity, where few orientations are minima.
-hapgrid dock "$host" "$ligand" -o small --centre 0,0,4 --size 1.6,1.6,1.6 --spacing 0.8 --map-spacing 0.375 -q >line
+hapgrid dock "$host" "$ligand" -o small --centre 0,0,4 --size 1.6,1.6,1.6 --spacing 0.8 -q >line
 same 'the line to feel it' 'hapgrid feel small/small.grid' "$(cat line)"
 for made in index.html feel.html poses.tsv path.txt inside.png outside.png played.html verify.txt; do
   [[ -s small/$made ]] || fail "small/$made is not there"
@@ -31,11 +40,11 @@ node "$player" compare small/feel.html hand hand.log || fail "seed $turn"
 check-model small/small.toml --steps 50 >report || fail "$(cat report)"
 
 # Records that are far apart do not tell the force between them, so that verify cannot prove all.
-hapgrid dock "$host" "$ligand" -o far --centre 0,0,2.5 --size 2,2,2 --spacing 2 --map-spacing 0.375 2>said >line
+hapgrid dock "$host" "$ligand" -o far --centre 0,0,2.5 --size 2,2,2 --spacing 2 2>said >line
 grep -q 'not all can be proved: see far/verify.txt' said || fail "$(cat said)"
 
 # At the rim, where half of the points lie inside atoms.
-hapgrid dock "$host" "$ligand" -o rim --centre 0,1.2,2.6 --size 1.2,1.2,1.2 --spacing 0.4 --map-spacing 0.375 -q >line
+hapgrid dock "$host" "$ligand" -o rim --centre 0,1.2,2.6 --size 1.2,1.2,1.2 --spacing 0.4 -q >line
 grep -Eq '^passive .* ok$' rim/verify.txt || fail "$(cat rim/verify.txt)"
 stats rim/rim.grid --npy rim/records.npy >/dev/null
 /usr/bin/python3 "$here/energies.py" rim wall
@@ -43,7 +52,7 @@ check-model rim/rim.toml --steps 50 >report || fail "$(cat report)"
 
 # Butanediol, all of whose bonds turn: AutoDock's energy between its own atoms. Ethylene glycol with its softest bond.
 obabel -:OCCCCO --gen3d -O diol.mol2 >/dev/null 2>&1
-hapgrid dock "$host" diol.mol2 -o within --centre 0,0,3 --size 0.5,0.5,0.5 --map-spacing 0.375 --until definition -q
+hapgrid dock "$host" diol.mol2 -o within --centre 0,0,3 --size 0.5,0.5,0.5 --until definition -q
 /usr/bin/python3 "$here/energies.py" within within
 obabel -:OCCO --gen3d -O glycol.mol2 >/dev/null 2>&1
 # Its host is atoms, as below.
@@ -51,15 +60,15 @@ hapgrid dock "$host" glycol.mol2 -o bends --torsions 1 --centre 0,0,4.4 --size 0
 same 'the line to feel it' 'hapgrid feel bends/bends.grid' "$(cat line)"
 same 'a state of six numbers and an angle' 'torsion 1 / rad' "$(head -n 1 bends/poses.tsv | cut -f 11)"
 refuses 'dock: .*4 torsions are asked for, and 3 of its bonds turn.*' -- \
-  hapgrid dock "$host" glycol.mol2 -o out --torsions 4 --centre 0,0,4.4 --size 0.8,0.8,0.8 --map-spacing 0.375 -q
+  hapgrid dock "$host" glycol.mol2 -o out --torsions 4 --centre 0,0,4.4 --size 0.8,0.8,0.8 -q
 
 # The same command again does nothing.
 before=$(stat -c %Y.%i small/small.grid)
-hapgrid dock "$host" "$ligand" -o small --centre 0,0,4 --size 1.6,1.6,1.6 --spacing 0.8 --map-spacing 0.375 -q >line
+hapgrid dock "$host" "$ligand" -o small --centre 0,0,4 --size 1.6,1.6,1.6 --spacing 0.8 -q >line
 same 'the same grid' "$before" "$(stat -c %Y.%i small/small.grid)"
 # So it does in a folder that was copied or has another name now.
 cp -a small renamed
-hapgrid dock "$host" "$ligand" -o renamed --centre 0,0,4 --size 1.6,1.6,1.6 --spacing 0.8 --map-spacing 0.375 -q >line
+hapgrid dock "$host" "$ligand" -o renamed --centre 0,0,4 --size 1.6,1.6,1.6 --spacing 0.8 -q >line
 same 'the line to feel it' 'hapgrid feel renamed/small.grid' "$(cat line)"
 same 'the same definition' "$(stat -c %Y small/small.toml)" "$(stat -c %Y renamed/small.toml)"
 
@@ -83,8 +92,8 @@ refuses 'dock: usual/none.fld: no .fld file of AutoGrid: .*' -- hapgrid dock usu
 
 # A host atom by atom. Where it can make no hydrogen bond, whose direction only maps know, its energies are AutoDock's.
 sed 's/ OA$/ N /; s/ HD$/ H /' usual/host.pdbqt >plain.pdbqt
-small_box=(--centre '0,0,2.5' --size '0.5,0.5,0.5')
-hapgrid dock plain.pdbqt "$ligand" -o plain "${small_box[@]}" --map-spacing 0.05 --until definition -q
+hapgrid dock plain.pdbqt "$ligand" -o plain "${small_box[@]}" --until definition -q
+finer plain
 hapgrid dock plain.pdbqt "$ligand" -o atoms "${small_box[@]}" --atoms --until definition -q
 [[ ! -e atoms/host.gpf ]] || fail 'AutoGrid was called'
 /usr/bin/python3 "$here/energies.py" atoms atoms plain
@@ -155,9 +164,11 @@ refuses 'dock: strange.pdbqt: AutoDock has no parameters of the type Xx: .*' -- 
 refuses 'dock: huge.mol2: it has more than 20,000 atoms' -- hapgrid dock huge.mol2 "$ligand" -o out -q
 seq 200000 | sed 's/.*/ATOM & CA ALA 1 0 0 0 0.1 1.9/' >huge.pqr
 refuses 'dock: huge.pqr: it has more than 20,000 atoms' -- timeout 60 hapgrid dock huge.pqr "$ligand" -o out -q
-refuses 'dock: box and ligand need maps of [0-9]+ cells .*' -- hapgrid dock "$host" "$ligand" -o out --size 40,4,4 -q
+refuses 'dock: box and ligand need maps 0\.5[0-9] angstrom apart, .*' -- hapgrid dock "$host" "$ligand" -o out --size 60,4,4 -q
+hapgrid dock "$host" "$ligand" -o wide --size 36,4,4 --spacing 2 --until definition 2>said
+grep -q ' maps .*, 0\.3[0-9] angstrom apart$' said || fail "$(cat said)"
 refuses 'dock: the ligand overlaps with the host everywhere in the box: .*' -- \
-  hapgrid dock "$host" "$ligand" -o inside --centre 0.17,-2.29,-1.97 --size 0.5,0.5,0.5 --spacing 0.5 --map-spacing 0.375 -q
+  hapgrid dock "$host" "$ligand" -o inside --centre 0.17,-2.29,-1.97 --size 0.5,0.5,0.5 --spacing 0.5 -q
 [[ ! -e inside/inside.grid ]] || fail 'the search ran before the box was refused'
 expect 2 '' '~dock: argument --size: must be three numbers from 0.5 to 60 .*' -- hapgrid dock a b -o out --size 1,2
 expect 2 '' '~dock: argument --size: must be three numbers from 0.5 to 60 .*' -- hapgrid dock a b -o out --size 1,2,x
@@ -165,10 +176,7 @@ expect 2 '' '~dock: argument --size: must be three numbers from 0.5 to 60 .*' --
 # Of several poses, as vina writes them, the first is taken. A number below zero is a centre, not an option.
 sed 's/^ATOM.*  2  .*/REMARK/' small/ligand.pdbqt >other.pdbqt
 { echo 'MODEL 1'; cat small/ligand.pdbqt; printf 'ENDMDL\nMODEL 2\n'; cat other.pdbqt; echo ENDMDL; } >poses.pdbqt
-hapgrid dock "$host" poses.pdbqt -o poses --centre -0.1,0,3 --size 0.5,0.5,0.5 --map-spacing 0.375 \
+hapgrid dock "$host" poses.pdbqt -o poses --centre -0.1,0,3 --size 0.5,0.5,0.5 \
   --until definition 2>said
 grep -q 'poses.pdbqt has several molecules or poses: the first is taken' said || fail "$(cat said)"
 cmp small/ligand.pdbqt poses/ligand.pdbqt
-# AutoGrid's maps are not made by --atoms.
-expect 2 '' 'dock: argument --map-spacing: not allowed with argument --atoms (see --help)' -- \
-  hapgrid dock a b -o c --atoms --map-spacing 0.2

@@ -100,7 +100,7 @@ for size in 800 x600 800x 0x1 1x8193 -1x1 1x1x1 axb; do
   expect 2 '' "view: --size: '$size' is not like 800x600, at most 8192 each $see" \
     -- view x.frames --png x --size=$size
 done
-for from in 30 30,91 361,20 nan,20 30,nan 30,20,10 30, ,20 '30, 20'; do
+for from in 30 30,91 361,20 nan,20 30,nan 30,20,10 '30,' ,20 '30, 20'; do
   expect 2 '' "view: --from: '$from' is not like 30,20: degrees from -360 to 360 and from -90 to 90 $see" \
     -- view x.frames --png x --from="$from"
 done

@@ -55,12 +55,9 @@ def parser() -> Parser:
                    help="spacing of the grid in angstrom (default: 0.5)")
     p.add_argument("--torsions", type=number(0, 6, int), metavar="K", default=0,
                    help="number of the ligand's bonds that turn, the softest ones (default: 0)")
-    energies = p.add_mutually_exclusive_group()
-    energies.add_argument("--atoms", action="store_true",
-                          help="no maps, but the sum over the atoms of a host of at most 500; hydrogen bonds have no direction "
-                          "then, and AutoGrid is not needed")
-    energies.add_argument("--map-spacing", type=number(0.05, 1), metavar="H", default=0.25,
-                          help="spacing of AutoGrid's maps in angstrom (default: 0.25)")
+    p.add_argument("--atoms", action="store_true",
+                   help="no maps, but the sum over the atoms of a host of at most 500; hydrogen bonds have no direction "
+                   "then, and AutoGrid is not needed")
     p.add_until("definition")
     return p
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import tempfile
 from typing import TypeAlias
@@ -25,6 +26,7 @@ MOST_BYTES = 64 << 20
 FAR = 1e6  # angstrom or elementary charges: no atom has as much, though eight columns can say 1e308
 MOST_AUTOGRID = 7200  # seconds of CPU time: twenty thousand atoms and the largest maps need minutes
 MOST_CELLS = 126  # of a map along an axis: AutoGrid has no more
+SPACING, WIDEST = 0.25, 0.5  # of the maps' points, angstrom: the usual one, and that of the largest boxes
 
 
 def pdbqt(work: Work, given: str, name: str, most: int) -> Atoms:
@@ -159,12 +161,14 @@ def reach(ligand: Atoms, text: str, bends: bool) -> float:
     return away.mean(axis=1).max()
 
 
-def compute(work: Work, host: Atoms, ligand: Atoms, low: Array, high: Array, spacing: float) -> list[str]:
-    """Runs autogrid4 for a box from `low` to `high`. Returns the files that it made."""
-    cells = np.ceil((high - low) / spacing / 2).astype(int) * 2
-    if cells.max() > MOST_CELLS:
-        raise Failed(f"box and ligand need maps of {cells.max()} cells {spacing:g} angstrom wide, AutoGrid has at most "
-                     f"{MOST_CELLS}: make --size smaller or --map-spacing larger")
+def compute(work: Work, host: Atoms, ligand: Atoms, low: Array, high: Array) -> list[str]:
+    """Runs autogrid4 for a box from `low` to `high` and a cell around it. Returns the files that it made."""
+    needed = (high - low).max() / (MOST_CELLS - 2)
+    if needed > WIDEST:
+        raise Failed(f"box and ligand need maps {needed:.2f} angstrom apart, since AutoGrid has at most {MOST_CELLS} cells; "
+                     f"at most {WIDEST:g} are possible: make --size smaller")
+    spacing = max(SPACING, math.ceil(100 * needed) / 100)
+    cells = np.ceil((high - low) / spacing / 2 + 1).astype(int) * 2
     kinds = kinds_of(ligand)
     work.write("host.gpf", "\n".join([
         f"npts {cells[0]} {cells[1]} {cells[2]}", "gridfld host.maps.fld", f"spacing {spacing:g}",

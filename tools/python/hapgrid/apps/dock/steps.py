@@ -35,7 +35,7 @@ def run(o: Namespace) -> str:
     """Everything; the line for standard output."""
     for given in (o.host, o.ligand):
         next(pieces(given), None)  # says why, where it cannot be read
-    options = [o.centre, o.size, o.spacing, o.map_spacing, o.torsions, o.atoms]
+    options = [o.centre, o.size, o.spacing, o.torsions, o.atoms]
 
     def define(work: Work, name: str) -> None:
         work.enter()
@@ -83,11 +83,10 @@ def _define(o: Namespace, work: Work, name: str) -> list[str]:
     elif own:
         tables = [field.fitted(table, low - reach, high + reach) for table in tables]
     else:
-        margin = reach + o.map_spacing
-        made = maps.compute(work, host, ligand, low - margin, high + margin, o.map_spacing)
+        made = maps.compute(work, host, ligand, low - reach, high + reach)
         names, tables = field.read(work.path("host.maps.fld"), ligand)
     files = [] if o.atoms else maps.write(work, names, tables, host, low, high)
-    by = "atom by atom" if o.atoms else f"maps {', '.join(names)}"
+    by = "atom by atom" if o.atoms else f"maps {', '.join(names)}, {tables[0].axes[0, 0]:g} angstrom apart"
     work.say(f"  host of {len(host)} atoms, ligand of {len(ligand)} atoms, without hydrogens on carbon, which count with it; "
              f"grid of {' x '.join(map(str, counts))} points, {o.spacing:g} angstrom apart; {by}")
     types = "" if o.atoms else f"types = {json.dumps(names)}   # what the maps are of: AutoDock's types of atoms, charge e, desolvation d\n"
