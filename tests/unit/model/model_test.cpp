@@ -19,8 +19,6 @@ std::unique_ptr<Model> puppet(const std::vector<Parameter>& parameters) {
   return Plugin("puppet", kBad).create(parameters);
 }
 
-const double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 }  // namespace
 
 TEST_CASE("a plug-in in plain C works, and says what it cannot do") {
