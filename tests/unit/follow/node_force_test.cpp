@@ -5,7 +5,6 @@
 #include "libcore/follow/branch_traversal.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/count_allocations.hpp"
-#include "tests/unit/follow/fields.hpp"
 #include "tests/unit/follow/places.hpp"
 
 using namespace hapgrid;

@@ -2,7 +2,6 @@
 #include "libcore/follow/record_fields.hpp"
 
 #include "tests/unit/catch.hpp"
-#include "tests/unit/follow/fields.hpp"
 #include "tests/unit/follow/random_grid.hpp"
 
 using namespace hapgrid;
