@@ -94,27 +94,8 @@ constexpr std::pair<const char*, Motion> kMotions[] = {
      [](Targets& to, const Contact& here, const Contact&) { knead(to, here, 0.004, 2); }},
     {"knead 10 mm",
      [](Targets& to, const Contact& here, const Contact&) { knead(to, here, 0.010, 2.5); }},
-    {"creep",
-     [](Targets& to, const Contact& here, const Contact&) {
-       approach(to, here);
-       move_to(to, here.at - 0.002 * here.out, 5e-4);
-       move_to(to, here.at + 0.002 * here.out, 5e-4);
-     }},
     {"barrier",
      [](Targets& to, const Contact& here, const Contact&) { through(to, here, 0.05, 2); }},
-    {"let go",
-     [](Targets& to, const Contact& here, const Contact&) {
-       for (int i = 0; i < 4; ++i) {
-         approach(to, here);
-         move_to(to, here.at + 0.025 * here.out, 0.4);
-       }
-     }},
-    {"rest, push",
-     [](Targets& to, const Contact& here, const Contact&) {
-       approach(to, here), rest(to, 15);
-       move_to(to, here.at - 0.004 * here.out, 0.02), rest(to, 1);
-       move_to(to, here.at, 0.02);
-     }},
     {"contacts",
      [](Targets& to, const Contact& here, const Contact& next) {
        approach(to, here), rest(to, 2);

@@ -64,18 +64,6 @@ mkdir -p "$cache"
   mkdir tree
   dpkg-deb --fsys-tarfile "$package"_*.deb |
     tar -x -C tree --wildcards './boot/vmlinuz*' "${folders[@]}" &&
-    python3 - tree/boot/vmlinuz-* tree/vmlinux <<'END' &&
-# The emulated machine would take 6 s to unpack a kernel that xz packed. The header says where that one is (boot.rst); one
-# that is packed otherwise stays as it is.
-import lzma, struct, sys
-with open(sys.argv[1], "rb") as file:
-    image = file.read()
-offset, length = struct.unpack_from("<II", image, 0x248)
-packed = image[(image[0x1F1] + 1) * 512 + offset:][:length]
-if packed.startswith(b"\xfd7zXZ\0"):
-    with open(sys.argv[2], "wb") as file:
-        file.write(lzma.LZMADecompressor().decompress(packed))
-END
     mv tree "$cache/kernel" && rm -r "$cache/download"
 ) 9>"$cache/lock" >"$cache/why.$$" 2>&1 || {
   why=$(cat "$cache/why.$$")
@@ -143,8 +131,7 @@ END
 chmod +x "$root/init" "$root/bin/await"
 (cd "$root" && find . | cpio -o -H newc --quiet) >"$work/initrd"
 
-image=$cache/kernel/vmlinux
-[[ -e $image ]] || image=$(echo "$cache"/kernel/boot/vmlinuz-*)
+image=$(echo "$cache"/kernel/boot/vmlinuz-*)
 # The kernel need not test its ciphers nor read certificates, which would take half of the time until it is there.
 options="console=ttyS1 panic=-1 quiet mitigations=off cryptomgr.notests initcall_blacklist=load_system_certificate_list"
 code=0

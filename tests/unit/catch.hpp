@@ -41,8 +41,14 @@ inline auto ContainsSubstring(const std::string& text) { return Contains(text); 
 #endif
 
 #include "libcore/base/error.hpp"
+#include "libcore/grid/vec3.hpp"
 
 namespace hapgrid::testing {
+
+inline constexpr double kInf = std::numeric_limits<double>::infinity();
+inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+inline constexpr double kEps = std::numeric_limits<double>::epsilon();
+inline constexpr Vec3 kZero{0, 0, 0};
 
 /// The message of the hapgrid::Error that `f` throws, or "" where it throws none.
 template <class F>

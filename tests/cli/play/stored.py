@@ -1,4 +1,4 @@
-"""Forces, before the safety core, and energies of two logs of the hung ball, evaluated and
+"""Forces, before the safety core, energies and angles of two logs of the hung ball, evaluated and
 interpolated.
 
 States and levels must be the same. What was interpolated is compared with the closed form on the
@@ -12,7 +12,7 @@ import os
 import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(__file__), ".."))
-from closed_form import force_and_energy as exact
+from closed_form import contact, force_and_energy
 
 H = 0.05
 STEP = 2e-3  # of the second differences; the closed form has 1e-16, so they have 1e-10
@@ -24,11 +24,16 @@ def read(name):
     return [dict(zip(names, map(float, line.split("\t")))) for line in lines[1:]]
 
 
+def exact(place):
+    """Force x, y, z, energy and angle."""
+    return [*force_and_energy(place), contact(place)]
+
+
 def bounds(x):
-    """Of force x, y, z and energy at (x, 0, 0)."""
-    sums = [0.0] * 4
+    """Of the same at (x, 0, 0)."""
+    sums = [0.0] * 5
     for axis in range(3):
-        worst = [0.0] * 4
+        worst = [0.0] * 5
         for i in range(-4, 5):
             for j in range(-2, 3):
                 for k in range(-2, 3):
@@ -55,7 +60,7 @@ for i in range(10, len(stored), 10):
         continue
     compared += 1
     differences += tick["force_x"] != evaluated[i]["force_x"]
-    found = [side * tick["force_x"], tick["force_y"], tick["force_z"], tick["energy"]]
+    found = [side * tick["force_x"], tick["force_y"], tick["force_z"], tick["energy"], side * tick["s0"]]
     for got, want, bound in zip(found, exact((x, 0, 0)), bounds(x)):
         largest = max(largest, abs(got - want) / bound) if bound > 1e-9 else largest
         assert abs(got - want) <= bound + 1e-9, (tick, got, want, bound)

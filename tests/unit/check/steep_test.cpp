@@ -1,7 +1,6 @@
 #include "libcore/check/steep.hpp"
 
 #include "libcore/follow/traversal.hpp"
-#include "libcore/grid/vec3.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
 #include "tests/unit/follow/random_grid.hpp"

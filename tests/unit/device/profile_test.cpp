@@ -1,7 +1,6 @@
 #include "tools/devices/profile.hpp"
 
 #include "libcore/base/file.hpp"
-#include "libcore/grid/vec3.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/device/place.hpp"
 

@@ -56,33 +56,6 @@ TEST_CASE("a force is in effect after the delay, and positions are rounded to th
   CHECK(late.info().unit == DeviceInfo::Unit::kMetres);
 }
 
-TEST_CASE("a sampled wall returns K (v T)^2 for each tick of depth, and more with a delay") {
-  // A hand on rails goes N ticks into a wall of stiffness K with the speed v, and out again. In
-  // each tick T the wall pushes with the force of the place D ticks before: too little on the way
-  // in, too much on the way out (Colgate and Schenkel 1994). The sum of force times way is K (v
-  // T)^2 (N (2 D + 1) - D (D + 1)).
-  constexpr double kWall = 1000, kWay = 1e-4;
-  constexpr int kDepth = 10;
-  for (const std::uint32_t delay : {0U, 2U}) {
-    const SimulatedOptions rails{.mass = 1,
-                                 .stiffness = 1e9,
-                                 .hand_damping = 2 * std::sqrt(1e9),
-                                 .encoder = 0,
-                                 .delay = delay};
-    SimulatedDevice hand = device(rails, 2 * kDepth + 10, [&](double t) {
-      const double n = t * rails.rate_hz;
-      return Vec3{(n < kDepth ? n : 2 * kDepth - n) * kWay, 0, 0};
-    });
-    DeviceInput input;
-    while (hand.read(input) == DeviceStatus::kOk)
-      REQUIRE(hand.send({-kWall * std::max(0.0, input.position[0]), 0, 0}) == DeviceStatus::kOk);
-    const double returned =
-        kWall * kWay * kWay * (kDepth * (2 * delay + 1) - delay * (delay + 1.0));
-    // The rails give by K/k = 1e-6 of the depth, and follow in 1/30 of a tick where they turn: 2 %.
-    CHECK(std::abs(hand.work() - returned) < 0.02 * returned);
-  }
-}
-
 TEST_CASE("each session begins anew, and its number and the seed alone decide it") {
   const Vec3 low{-0.05, 0, 0.01}, high{0.05, 0, 0.02};
   const WanderingOptions wandering{.seed = 7};

@@ -2,7 +2,6 @@
 // none.
 
 #include "libcore/check/invariants.hpp"
-#include "libcore/grid/vec3.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/count_allocations.hpp"
 #include "tests/unit/follow/places.hpp"

@@ -3,10 +3,8 @@
 #include "libcore/follow/node_force.hpp"
 
 #include "libcore/follow/branch_traversal.hpp"
-#include "libcore/grid/vec3.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/count_allocations.hpp"
-#include "tests/unit/follow/fields.hpp"
 #include "tests/unit/follow/places.hpp"
 
 using namespace hapgrid;

@@ -4,7 +4,6 @@
 #include "libcore/follow/paper_traversal.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/follow/random_grid.hpp"
-#include "tests/unit/loop/numbers.hpp"
 
 namespace hapgrid::testing {
 

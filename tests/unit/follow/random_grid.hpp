@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "libcore/follow/record_fields.hpp"
 #include "libcore/grid/grid.hpp"
 
 namespace hapgrid::testing {
@@ -51,6 +52,18 @@ inline Grid random_grid(const Box& box, std::uint32_t n, unsigned levels, std::u
 /// A number in [low, high).
 inline double uniform(std::mt19937_64& random, double low, double high) {
   return low + (high - low) * (static_cast<double>(random() >> 11) * 0x1p-53);
+}
+
+/// Energy and force at the records of a grid, from functions of the place.
+template <class Energy, class Force>
+RecordFields fields_of(const Grid& grid, Energy&& energy, Force&& force) {
+  RecordFields fields;
+  for (RecordIndex r = 0; r < grid.records(); ++r) {
+    const Vec3 x = grid.box().position(grid.point(r));
+    fields.energy.push_back(energy(x));
+    fields.force.push_back(force(x));
+  }
+  return fields;
 }
 
 }  // namespace hapgrid::testing

@@ -1,9 +1,7 @@
 // Whether the forces of a grid are the gradient of its energies.
 #include "libcore/follow/record_fields.hpp"
 
-#include "libcore/grid/vec3.hpp"
 #include "tests/unit/catch.hpp"
-#include "tests/unit/follow/fields.hpp"
 #include "tests/unit/follow/random_grid.hpp"
 
 using namespace hapgrid;

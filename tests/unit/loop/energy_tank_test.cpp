@@ -1,12 +1,10 @@
 // The third promise of the safety core: the energy that a hand gets back, counted outside of it.
 #include "libcore/loop/energy_tank.hpp"
 
-#include "libcore/grid/vec3.hpp"
 #include "tests/bench/simulated.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/follow/random_grid.hpp"
 #include "tests/unit/loop/limits.hpp"
-#include "tests/unit/loop/numbers.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::testing;

@@ -7,7 +7,6 @@
 #include "tests/unit/count_allocations.hpp"
 #include "tests/unit/follow/random_grid.hpp"
 #include "tests/unit/loop/limits.hpp"
-#include "tests/unit/loop/numbers.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::testing;

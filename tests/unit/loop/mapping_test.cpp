@@ -1,6 +1,5 @@
 #include "libcore/loop/mapping.hpp"
 
-#include "libcore/grid/vec3.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/follow/random_grid.hpp"
 

@@ -1,12 +1,10 @@
 // What becomes of a contact that a hand holds: it keeps its force, and no more comes back than was
 // stated.
 
-#include "libcore/grid/vec3.hpp"
 #include "libcore/loop/energy_tank.hpp"
 #include "tests/bench/simulated.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/loop/limits.hpp"
-#include "tests/unit/loop/numbers.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::testing;

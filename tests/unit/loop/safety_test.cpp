@@ -1,10 +1,8 @@
 #include "libcore/loop/safety.hpp"
 
-#include "libcore/grid/vec3.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/follow/random_grid.hpp"
 #include "tests/unit/loop/limits.hpp"
-#include "tests/unit/loop/numbers.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::testing;

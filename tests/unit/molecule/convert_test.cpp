@@ -1,6 +1,5 @@
 // The conversion function as the filters call it, through the plug-in.
 
-#include "libcore/grid/vec3.hpp"
 #include "libcore/scene/drawing.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/molecule/reference.hpp"

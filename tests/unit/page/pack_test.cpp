@@ -2,7 +2,6 @@
 #include "tools/page/pack.hpp"
 
 #include "libcore/grid/grid.hpp"
-#include "libcore/grid/vec3.hpp"
 #include "tests/unit/catch.hpp"
 #include "tools/page/packed_grid.hpp"
 
