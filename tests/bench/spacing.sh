@@ -2,12 +2,12 @@
 # What a grid's spacing costs in the search, and what it is worth on paths that touch the molecule, for the grid alone
 # and with the model beside it (branches.cpp): a table with a row for each grid.
 #
-#   tests/bench/spacing.sh [BUILD] [MOLECULE SPACING...]        (default: build, and all grids below)
+#   tests/bench/spacing.sh BUILD MOLECULE SPACING...
 #
 # Ethanol, glycol and 2-butanol get their definitions from `hapgrid molecule`, and SPACING is in Å. The others have
 # theirs in examples/molecule, and SPACING is the number of points along the longest side of its box. All grids of a
 # molecule are measured on the same paths, 20 ticks for the spacing of the last one. CPU seconds are those of `expand`,
-# user time of all its threads: 260 for the whole table.
+# user time of all its threads.
 wanted=("${@:2}")
 source "$(dirname "$0")/lib.sh"
 export TIMEFORMAT=%U
@@ -44,13 +44,4 @@ rows() { # MOLECULE SPACING...
 
 echo '|grid|search, CPU s|grid alone: right|off|1 tick late: right|off|5 ticks late: right|off|'
 echo '|---|---|---|---|---|---|---|---|'
-if [[ ${#wanted[@]} != 0 ]]; then
-  rows "${wanted[@]}"
-  exit
-fi
-rows ethanol 0.35 0.45 0.5
-rows glycol 0.45 0.5
-rows 2-butanol 0.25 0.35 0.45 0.5
-rows alanine-dipeptide 30 20
-rows butane 40 30 20
-rows leu-enkephalin 30
+rows "${wanted[@]}"

@@ -68,10 +68,8 @@ TEST_CASE("the state and the force are the model's, and fade to the grid's when 
   path.reserve(1000);
   for (int i = 0; i < 400; ++i) path.push_back(2.7 + 1.5 * std::sin(i / 50.0));
   while (path.back() < 5.5) path.push_back(path.back() + 0.01);
-  Beside beside(grid, wavy_model(grid.spec(), fails_at), 1);
-  beside.begin(1000);
-  BranchTraversal t(grid, std::make_shared<const BranchNodes>(grid));
-  t.walk_beside(&beside);
+  WalkBeside walk(grid, wavy_model(grid.spec(), fails_at), 1);
+  auto& [t, beside] = walk;
   RecordFields fields;
   for (int i = 0; i < 8; ++i) fields.force.push_back({-i / 10.0, 0, 0});
   NodeForce force(std::make_shared<const NodeEnergies>(node_energies(grid, fields)), grid.box(),
@@ -104,11 +102,9 @@ TEST_CASE("the state and the force are the model's, and fade to the grid's when 
 
 TEST_CASE("a hand that turns round before it comes to where the model looked ahead stays") {
   const Grid grid = line();
-  BranchTraversal t(grid, std::make_shared<const BranchNodes>(grid));
   constexpr int kLate = 5;
-  Beside beside(grid, model_of_line(grid.spec(), kEndsEarly), kLate);
-  beside.begin(1000);
-  t.walk_beside(&beside);
+  WalkBeside walk(grid, model_of_line(grid.spec(), kEndsEarly), kLate);
+  auto& [t, beside] = walk;
   // 200 ticks a spacing: it turns 4 ticks before the end of the branch.
   constexpr int kTurn = static_cast<int>(kEndsEarly * 200) - 4;
   int apart = 0;
@@ -125,10 +121,8 @@ TEST_CASE("a hand that turns round before it comes to where the model looked ahe
 
 TEST_CASE("a hand that turns round gets what the model said of the places on its way") {
   const Grid grid = straight_line();
-  BranchTraversal t(grid, std::make_shared<const BranchNodes>(grid));
-  Beside beside(grid, wavy_model(grid.spec(), 8), 5);
-  beside.begin(1000);
-  t.walk_beside(&beside);
+  WalkBeside walk(grid, wavy_model(grid.spec(), 8), 5);
+  auto& [t, beside] = walk;
   for (int i = 0; i < 800; ++i) {
     const double x = (i < 400 ? i : 800 - i) / 100.0 + 0.5;
     REQUIRE(t.step({x, 0, 0}).usable());
@@ -178,14 +172,12 @@ TEST_CASE(
 
 TEST_CASE("a model that cannot convert a state leaves the decision to the grid") {
   const Grid grid = line();
-  BranchTraversal t(grid, std::make_shared<const BranchNodes>(grid));
-  Beside beside(grid,
-                std::make_unique<tiny::TestModel>(
-                    grid.spec(), [](const double*, const Vec3&, const Vec3&, double*,
-                                    std::string& error) { return error = "no", false; }),
-                1);
-  beside.begin(1000);
-  t.walk_beside(&beside);
+  WalkBeside walk(grid,
+                  std::make_unique<tiny::TestModel>(
+                      grid.spec(), [](const double*, const Vec3&, const Vec3&, double*,
+                                      std::string& error) { return error = "no", false; }),
+                  1);
+  auto& [t, beside] = walk;
   BranchTraversal alone(grid, std::make_shared<const BranchNodes>(grid));
   for (const Vec3& x : there_and_back()) {
     REQUIRE(t.step(x).usable());

@@ -53,10 +53,8 @@ void wait_for_answer(Beside& beside) {
 
 TEST_CASE("a step follows what the thread's model said last, and tells of its snap") {
   const Grid grid = line();
-  BranchTraversal t(grid, std::make_shared<const BranchNodes>(grid));
-  Beside beside(grid, model_of_line(grid.spec(), kEndsEarly), std::nullopt);
-  beside.begin(1000);
-  t.walk_beside(&beside);
+  WalkBeside walk(grid, model_of_line(grid.spec(), kEndsEarly), std::nullopt);
+  auto& [t, beside] = walk;
   // The model says that the branch ends at 4.3, the grid at 4.5.
   int told = 0;
   for (int i = 50; i <= 870; ++i) {
@@ -76,17 +74,16 @@ TEST_CASE(
   const Grid grid = straight_line();
   const auto wavy = std::shared_ptr<Model>(wavy_model(grid.spec(), 8));
   std::atomic<bool> thinks{false};
-  BranchTraversal t(grid, std::make_shared<const BranchNodes>(grid));
-  Beside beside(grid,
-                std::make_unique<tiny::TestModel>(
-                    grid.spec(),
-                    [&](const double* s, const Vec3& x, const Vec3& d, double* row, std::string&) {
-                      while (thinks) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-                      return wavy->convert(s, x, d, row);
-                    }),
-                std::nullopt);
-  beside.begin(1000);
-  t.walk_beside(&beside);
+  WalkBeside walk(
+      grid,
+      std::make_unique<tiny::TestModel>(
+          grid.spec(),
+          [&](const double* s, const Vec3& x, const Vec3& d, double* row, std::string&) {
+            while (thinks) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            return wavy->convert(s, x, d, row);
+          }),
+      std::nullopt);
+  auto& [t, beside] = walk;
   RecordFields fields;
   for (int i = 0; i < 8; ++i) fields.force.push_back({-i / 10.0, 0, 0});
   NodeForce force(std::make_shared<const NodeEnergies>(node_energies(grid, fields)), grid.box(),

@@ -9,6 +9,8 @@
 #include <string>
 #include <thread>
 
+#include "libcore/follow/beside.hpp"
+#include "libcore/follow/branch_traversal.hpp"
 #include "libcore/model/model.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
 #include "tests/unit/follow/random_grid.hpp"
@@ -83,5 +85,16 @@ inline std::unique_ptr<Model> wavy_model(const GridSpec& spec, double fails_at) 
         return to < fails_at || (error = "no", false);
       });
 }
+
+/// A traversal of a grid, and the model beside it.
+struct WalkBeside {
+  WalkBeside(const Grid& grid, std::unique_ptr<Model> model, std::optional<std::uint32_t> delay)
+      : t(grid, std::make_shared<const BranchNodes>(grid)), beside(grid, std::move(model), delay) {
+    beside.begin(1000);
+    t.walk_beside(&beside);
+  }
+  BranchTraversal t;
+  Beside beside;
+};
 
 }  // namespace hapgrid::testing

@@ -66,60 +66,49 @@ TEST_CASE("contact begins at -2r and ends at t, to the last digits") {
 
 TEST_CASE("Table 1, row by row") {
   const auto model = make();
-  const double t = kTearOff;
-  const double r = kRadius;
+  const double t = kTearOff, r = kRadius, d_max = model->info().d_max;
   const auto C = [&](double alpha, double x, double d) {
     return convert(*model, alpha, {x, 0, 0}, {d, 0, 0});
   };
-  const auto is_alpha_1 = [&](double alpha, double x) {
-    return alpha > 0 && std::abs(alpha - alpha_1(x, r)) <= line_bound(x);
+  /// 0: at rest; 1: α1(x), pushed from the left; 2: α2(x), pushed from the right.
+  const auto is = [&](int state, double alpha, double x) {
+    if (state == 0) return alpha == 0;
+    const Real wanted = state == 1 ? alpha_1(x, r) : alpha_2(x, r);
+    return (alpha > 0) == (state == 1) && std::abs(alpha - wanted) <= line_bound(x);
   };
-  const auto is_alpha_2 = [&](double alpha, double x) {
-    return alpha < 0 && std::abs(alpha - alpha_2(x, r)) <= line_bound(x);
-  };
+  // From a state in an interval of x into an interval of x + d. "Any" d holds up to -2r, which
+  // d_max does not let it pass.
+  const struct {
+    double low, high;
+    int from;
+    double there_low, there_high;
+    int to;
+  } printed[] = {
+      {-9, -t, 0, -9, 9, 0},         {-t, -2 * r, 0, -9, -2 * r, 0}, {-t, -2 * r, 0, -2 * r, 9, 1},
+      {-2 * r, t, 1, -9, -2 * r, 0}, {-2 * r, t, 1, -2 * r, t, 1},   {-2 * r, t, 1, t, 9, 0},
+      {2 * r, t, 0, 2 * r, 9, 0},    {2 * r, t, 0, -9, 2 * r, 2},    {-t, 2 * r, 2, -9, -t, 0},
+      {-t, 2 * r, 2, -t, 2 * r, 2},  {-t, 2 * r, 2, 2 * r, 9, 0},    {t, 9, 0, -9, 9, 0}};
   // All shifts up to d_max = t - 2r, which is what makes the rows complete.
-  const double d_max = model->info().d_max;
   Random random(1);
-  int rows[12] = {};
-  const auto row = [&](int number, bool as_printed) {
-    CHECK(as_printed);
-    ++rows[number];
-  };
+  int counts[std::size(printed)] = {};
   for (int i = 0; i < 20000; ++i) {
-    const double x = random.between(-0.95, 0.95);
-    const double d = random.between(-d_max, d_max);
-    const double there = x + d;
-    INFO("x " << x << " d " << d);
-    // "Any" d holds up to -2r, which d_max does not let it pass.
-    if (x <= -t) row(0, C(0, x, d) == 0);
-    if (x > -t && x <= -2 * r) {
-      if (there <= -2 * r) row(1, C(0, x, d) == 0);
-      if (there > -2 * r) row(2, is_alpha_1(C(0, x, d), there));
+    const double x = random.between(-0.95, 0.95), d = random.between(-d_max, d_max);
+    for (std::size_t k = 0; k < std::size(printed); ++k) {
+      const auto& row = printed[k];
+      if (x < row.low || x > row.high || x + d < row.there_low || x + d > row.there_high) continue;
+      const double alpha = row.from == 0   ? 0
+                           : row.from == 1 ? from_left(*model, x)
+                                           : from_right(*model, x);
+      INFO("row " << k << " x " << x << " d " << d);
+      REQUIRE(is(row.from, alpha, x));
+      CHECK(is(row.to, C(alpha, x, d), x + d));
+      ++counts[k];
     }
-    if (x > -2 * r && x < t) {
-      const double alpha = from_left(*model, x);
-      REQUIRE(is_alpha_1(alpha, x));
-      if (there <= -2 * r) row(3, C(alpha, x, d) == 0);
-      if (there > -2 * r && there < t) row(4, is_alpha_1(C(alpha, x, d), there));
-      if (there >= t) row(5, C(alpha, x, d) == 0);
-    }
-    if (x >= 2 * r && x < t) {
-      if (there >= 2 * r) row(6, C(0, x, d) == 0);
-      if (there < 2 * r) row(7, is_alpha_2(C(0, x, d), there));
-    }
-    if (x > -t && x < 2 * r) {
-      const double alpha = from_right(*model, x);
-      REQUIRE(is_alpha_2(alpha, x));
-      if (there <= -t) row(8, C(alpha, x, d) == 0);
-      if (there > -t && there < 2 * r) row(9, is_alpha_2(C(alpha, x, d), there));
-      if (there >= 2 * r) row(10, C(alpha, x, d) == 0);
-    }
-    if (x >= t) row(11, C(0, x, d) == 0);
   }
-  for (const int count : rows) CHECK(count > 100);
+  for (const int count : counts) CHECK(count > 100);
 
   // The closed ends of the intervals.
-  CHECK(is_alpha_1(C(0, -2 * r, 0.1), -2 * r + 0.1));
+  CHECK(is(1, C(0, -2 * r, 0.1), -2 * r + 0.1));
   CHECK(C(0, 2 * r, 0.1) == 0);
   CHECK(C(from_left(*model, 0), 0, -2 * r) == 0);
   CHECK(C(from_right(*model, 0), 0, 2 * r) == 0);
