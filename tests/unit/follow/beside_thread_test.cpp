@@ -83,7 +83,8 @@ TEST_CASE(
             return wavy->convert(s, x, d, row);
           }),
       std::nullopt);
-  auto& [t, beside] = walk;
+  BranchTraversal& t = walk.t;  // clang 15 takes no bindings into lambdas
+  Beside& beside = walk.beside;
   RecordFields fields;
   for (int i = 0; i < 8; ++i) fields.force.push_back({-i / 10.0, 0, 0});
   NodeForce force(std::make_shared<const NodeEnergies>(node_energies(grid, fields)), grid.box(),
