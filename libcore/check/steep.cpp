@@ -8,6 +8,7 @@
 #include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/grid/describe.hpp"
+#include "libcore/grid/vec3.hpp"
 
 namespace hapgrid {
 

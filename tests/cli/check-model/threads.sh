@@ -3,7 +3,7 @@ source "$(dirname "$0")/../lib.sh"
 
 for name in shared crashes alone; do
   "${CC:-cc}" -std=c11 -D_POSIX_C_SOURCE=199309L $([[ $name == crashes ]] && echo -DCRASHES) $([[ $name == alone ]] && echo -DPROCESSES=1) -O1 -fPIC -shared \
-    -I"$(hapgrid init --include)" "$here/shared.c" -o $name.so
+    -I"$(hapgrid include)" "$here/shared.c" -o $name.so
   cat >$name.toml <<TOML
 model = {plugin = "$name"}
 grid = {origin = [-1, 0, 0], spacing = 1, counts = [3, 2, 2]}

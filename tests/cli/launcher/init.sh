@@ -109,4 +109,4 @@ for language in c++ node; do
   made "$folder" "$installed" "--lang=$language"
   cmp <(dump "$folder/$folder.grid") "my_${language/++/xx}.dump"
 done
-same 'the headers' "${installed%/bin/hapgrid}/include" "$("$installed" init --include)"
+same 'the headers' "${installed%/bin/hapgrid}/include" "$("$installed" include)"

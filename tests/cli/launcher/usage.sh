@@ -41,4 +41,3 @@ runpy.run_module("hapgrid.apps." + sys.argv.pop(1), run_name="__main__")' "$HAPG
   [[ ! -e dir ]] || fail "$command began"
 done
 
-expect 2 '' 'hapgrid: init: --include goes with nothing else (see hapgrid init --help)' -- init --include --lang c

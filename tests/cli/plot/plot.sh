@@ -16,7 +16,7 @@ expect 0 '' '' -- plot session a.session -o session.svg
 plot slice grid --at y=0 -o - >levels.png
 expect 0 '' '' -- plot field grid --at y=0 -o field.svg
 seed "$ball" --set grid.spacing=0.2 --set 'grid.counts=[10,5,5]' | expand --complete -o coarse
-expect 0 '' '' -- plot error coarse grid --walks 5 -o error.svg
+expect 0 '' '' -- plot error coarse grid -o error.svg
 # The module, as a notebook uses it, makes the same: a user's own settings do not matter.
 PYTHONPATH=$(realpath "$HAPGRID_BIN/../python") $python3 - <<'PYTHON'
 import hapgrid

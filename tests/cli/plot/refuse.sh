@@ -18,7 +18,6 @@ wrong 'columns needs --y COLUMN' columns log -o a.png
 wrong '--at is not for session' session log --at y=0 -o a.png
 wrong '--allow-process is not for columns' columns log --y s0 --allow-process x -o a.png
 wrong 'session draws one file, not 2' session log log -o a.png
-wrong '--walks must be from 1 to 10000' error grid --walks 0 -o a.png
 nothing_left . log
 
 seed "$ball" -o seeds

@@ -113,7 +113,7 @@ expect 2 '' 'table: dx/good.dx: lies in the folder of the results, dx: copy it, 
   hapgrid table dx/good.dx -o dx -q
 
 echo >x.txt
-bad x.txt 'only .map, .dx, .cube, .cub, .vti, .npy, .npz, .ccp4 and .mrc are known, and each with .gz behind it'
+bad x.txt 'only .map, .dx, .cube, .cub, .vti, .npz, .ccp4 and .mrc are known, and each with .gz behind it'
 bad gone.map 'No such file or directory'
 expect 1 '' 'table: good.map: no value is below the wall, -5: the lowest is 1' -- hapgrid table good.map -o out --wall -5 -q
 expect 1 '' 'table: good.vti: it has no array f, only e' -- hapgrid table good.vti -o out --array f -q

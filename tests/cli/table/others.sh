@@ -31,7 +31,7 @@ cube("fortran.cube", "electrostatic potential", 2, bohr, "\n".join(f"{v * 100:.1
 with mrcfile.new("field.mrc") as m:
     m.set_data(values.transpose(2, 1, 0).astype("f4"))
     m.voxel_size = 0.4
-np.save("field.npy", values)
+np.savez("placeless.npz", values=values)
 np.savez("field.npz", values=values, origin=[0, 0, 0], spacing=0.4)
 image = vtkImageData()
 image.SetDimensions(6, 7, 8)
@@ -83,14 +83,13 @@ same 'unit' kJ/mol "$(unit named.cube)"
 takes orbitals.cube 'orbital 13 of 12, 13' --array 13
 takes fortran.cube reading
 takes field.mrc 'densities, no energies'
-takes field.npy reading --origin 0,0,0 --steps 0.4,0.4,0.4
 takes field.npz 'array values'
 takes LZ4.vti "array field; --array takes another one: other"
 takes LZMA.vti "taken at the cells' centres" --array field
 refused() { expect 1 '' "~table: $2" -- hapgrid table "$1" -o out "${@:3}" -q; }
 refused whole.cube 'whole.cube: its steps are 4, 4, 4 angstrom long, as if whole box vectors stood in place of steps: divide them by .*'
 refused orbitals.cube 'orbitals.cube: --array 14: it has orbitals 12, 13' --array 14
-refused field.npy 'field.npy: an array has no place: --origin X,Y,Z says .*'
+refused placeless.npz 'placeless.npz: an array has no place: numpy.savez(.*) gives it one'
 refused good.cub 'good.cub: --unit volt: from hartree to volt there is no factor; known are .*' --unit volt
 refused good.cub 'good.cub: --length-unit miles: its lengths are in angstrom; known are .*' --length-unit miles
 

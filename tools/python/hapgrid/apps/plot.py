@@ -66,7 +66,6 @@ def arguments(words: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--x", metavar="COLUMN", help="column along the horizontal axis (default: t)")
     parser.add_argument("--y", metavar="COLUMN", help="column along the vertical axis")
     parser.add_argument("--grid", metavar="GRID", help="grid that was played: units, and a session's states and energies")
-    parser.add_argument("--walks", metavar="N", type=int, help="random walks for each grid of error (default: 100)")
     parser.add_argument("--allow-process", metavar="MODEL.toml", help="definition whose command may be run for error")
     parser.add_argument("-h", "--help", action="help", help="print this help and exit")
     parser.add_argument("-V", "--version", action="store_true", help="print the version and exit")
@@ -83,16 +82,14 @@ def checked(options: argparse.Namespace) -> argparse.Namespace:
     from hapgrid.style import kind_of
 
     mine = {"slice": {"at"}, "field": {"at"}, "columns": {"x", "y", "grid"},
-            "session": {"grid"}, "error": {"walks", "allow_process"}}[options.picture]
-    for name in ("at", "x", "y", "grid", "walks", "allow_process"):
+            "session": {"grid"}, "error": {"allow_process"}}[options.picture]
+    for name in ("at", "x", "y", "grid", "allow_process"):
         if getattr(options, name) is not None and name not in mine:
             raise Wrong(f"--{name.replace('_', '-')} is not for {options.picture}")
     if options.picture in ("slice", "field", "session") and len(options.files) != 1:
         raise Wrong(f"{options.picture} draws one file, not {len(options.files)}")
     if options.picture == "columns" and options.y is None:
         raise Wrong("columns needs --y COLUMN")
-    if options.walks is not None and not 1 <= options.walks <= 10000:
-        raise Wrong("--walks must be from 1 to 10000")
     if options.output is None:
         raise Wrong("-o FILE is missing")
     if options.output == "-":
@@ -119,7 +116,7 @@ def draw(options: argparse.Namespace) -> None:
         figure = plot.session(options.files[0], options.grid)
     else:
         more = [f"--allow-process={options.allow_process}"] if options.allow_process else []
-        figure = plot.error(options.files, walks=options.walks or 100, options=more)
+        figure = plot.error(options.files, options=more)
     if options.output == "-":
         sys.stdout.buffer.write(style.picture(figure, "png"))
         sys.stdout.buffer.flush()

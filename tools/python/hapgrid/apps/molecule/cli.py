@@ -89,8 +89,6 @@ def parser() -> Parser:
                    help="do not restart from a lower minimum when a barrier leads to one")
     p.add_argument("--highest", type=number(1, 1000), default=150.0, metavar="KJ_MOL",
                    help="highest barrier that is looked for, in kJ/mol (default: 150)")
-    p.add_argument("--paths", type=number(0, 16, int), metavar="N", default=6,
-                   help="largest number of paths that are taken (default: 6)")
     p.add_argument("--hold", metavar="ATOM",
                    help="atom that the hand holds: its name (C4), its number, or a SMARTS; of several, with commas between, "
                    "their centre (default: an end of the torsion that parts the molecule most evenly)")

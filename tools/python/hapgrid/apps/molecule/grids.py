@@ -82,7 +82,7 @@ def make_grid(start: Start, shapes: Result) -> Definition:
     if by_hand:
         folder.say(f"{toml} was changed by hand: it is kept")
     o = start.options
-    key = [folder.digest("report.tsv"), o.paths, o.beyond, o.push, o.hold, o.soft, o.spacing]
+    key = [folder.digest("report.tsv"), o.beyond, o.push, o.hold, o.soft, o.spacing]
     remedies = Remedies.of(folder.recall("remedies", key))
     while True:
         one, fault = (Definition(name, paths_of(folder.path(toml))), None) if by_hand else planned(start, shapes, remedies)

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 ROTORS = ("path", "atoms", "barrier_kJ_mol", "taken", "why")  # the heads of rotors.tsv
 MISSED = 4.0  # kJ/mol: what the sum may miss
+MOST_PATHS = 6  # of more, a grid would need too many levels
 
 
 def choose(start: Start, result: Result, unwanted: dict[str, str]) -> list[str]:
@@ -41,7 +42,7 @@ def choose(start: Start, result: Result, unwanted: dict[str, str]) -> list[str]:
         left: dict[str, list[str]] = {}
         for f in lowest_first:
             why = unwanted.get(f.name) or (
-                f"stiffer than the {o.paths} that are taken (--paths)" if len(taken) == o.paths else
+                f"stiffer than the {MOST_PATHS} that are taken" if len(taken) == MOST_PATHS else
                 _fault(start, result, Definition.around(start.molecule, result, [*taken, f.name], o.beyond)))
             if not why:
                 taken.append(f.name)
@@ -60,7 +61,7 @@ def choose(start: Start, result: Result, unwanted: dict[str, str]) -> list[str]:
             folder.say(f"  left out: {', '.join(names)}: {why}")
         return ["rotors.tsv"]
     folder.step("choice", "choosing the softest paths that are sane together", [*result.files(), "report.tsv"],
-                [o.paths, unwanted, o.beyond, o.single_points], compute)
+                [unwanted, o.beyond, o.single_points], compute)
     taken = {row["path"] for row in files.rows(folder, "rotors.tsv", ROTORS) if row["taken"] == "yes"}
     return [f.name for f in lowest_first if f.name in taken]
 

@@ -76,7 +76,8 @@ def _frame(lines: list[str], atoms: Mapping[int, Any], at: int, what: str, say: 
     last = first + count
     other = next((n for n in range(first, last) if not atoms.get(n)), None)
     if other is not None:
-        raise BadInput(f"{what}: line {other + 1} is no atom, but line {at + 1} says that {count} follow")
+        wrong = f"line {other + 1} is no atom" if other < len(lines) else f"the file ends after line {len(lines)}"
+        raise BadInput(f"{what}: {wrong}, but line {at + 1} says that {count} follow")
     if (first > at + 1 or title == "") and atoms.get(last):
         raise BadInput(f"{what}: line {at + 1} says that {count} atoms follow, but there are more")
     numbers, x = [atoms[n][0] for n in range(first, last)], np.array([atoms[n][1:] for n in range(first, last)])

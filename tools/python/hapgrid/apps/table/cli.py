@@ -7,13 +7,13 @@ import math
 from argparse import Namespace
 from collections.abc import Sequence
 
-from hapgrid.apps.common.cli import EXIT_CODES, Parser, formatter, guarded, number, three
+from hapgrid.apps.common.cli import EXIT_CODES, Parser, formatter, guarded, number
 
 ABOUT = """\
 Makes a verified grid of a table of energies, with pictures, so that a hand can
 feel it. FILE is an AutoDock map (.map), an OpenDX table (.dx), a Gaussian cube
 (.cube, .cub), a VTK image (.vti), a density of CCP4 or MRC (.ccp4, .mrc, .map)
-or an array of NumPy (.npy, .npz), and may be packed (.gz). Everything goes to
+or an array of NumPy (.npz), and may be packed (.gz). Everything goes to
 the folder DIR. A run that was stopped continues there. A file in DIR that you
 change is kept, and the same command computes again what depends on it.
 """
@@ -63,8 +63,6 @@ def parser() -> Parser:
     p.add_argument("--spacing", type=number(1e-9, 1e9), metavar="H",
                    help="spacing of the grid in the table's unit of length (default: the smallest of the table)")
     p.add_argument("--array", metavar="NAME", help="array of a .vti (default: its scalars) or .npz; number of an orbital of a .cube")
-    p.add_argument("--origin", type=three(-1e30, 1e30), metavar="X,Y,Z", help="place of the first value of a .npy or .npz")
-    p.add_argument("--steps", type=three(-1e30, 1e30), metavar="X,Y,Z", help="steps between the values of a .npy or .npz along the axes")
     p.add_argument("--unit", type=unit, metavar="UNIT",
                    help="unit of the energy: values in kcal/mol (.map) or hartree (a .cube whose title says so) are converted "
                    "to it, others are taken to be in it. FROM:TO converts: kT/e:kJ/mol, with the charge as --factor")

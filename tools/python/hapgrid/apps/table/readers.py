@@ -45,9 +45,8 @@ class Table:
     notes: list[str] = field(default_factory=list)  # what a user may want to know of the file
 
 
-def read(path: str, array: str | None = None, origin: Sequence[float] | None = None,
-         steps: Sequence[float] | None = None) -> Table:
-    """array: name or number of the one that is wanted, where a file has several. origin, steps: of a file that has none."""
+def read(path: str, array: str | None = None) -> Table:
+    """array: name or number of the one that is wanted, where a file has several."""
     name = os.path.basename(path).lower()
     packed = name.endswith(".gz")
     kind = os.path.splitext(name[:-3] if packed else name)[1]
@@ -59,7 +58,7 @@ def read(path: str, array: str | None = None, origin: Sequence[float] | None = N
         content = inflated(data, 31) if packed else data
         if kind == ".map" and not volumes.is_ccp4(content):
             return _checked(read_map(_text(content)))
-        return _checked(READERS[kind](content, array=array, origin=origin, steps=steps))
+        return _checked(READERS[kind](content, array=array))
     return behind_walls(path, parsed)
 
 
@@ -333,4 +332,4 @@ from . import volumes, vti  # noqa: E402  # they use what stands above
 
 READERS: dict[str, Callable[..., Table]] = {
     ".map": volumes.read_ccp4, ".dx": lambda data, **_: read_dx(_text(data)), ".cube": read_cube, ".cub": read_cube, ".vti": vti.read_vti,
-    ".npy": volumes.read_npy, ".npz": volumes.read_npz, ".ccp4": volumes.read_ccp4, ".mrc": volumes.read_ccp4}
+    ".npz": volumes.read_npz, ".ccp4": volumes.read_ccp4, ".mrc": volumes.read_ccp4}

@@ -29,7 +29,7 @@ def run(o: Namespace) -> str:
 def _define(o: Namespace, work: Work, name: str) -> None:
     def compute() -> list[str]:
         work.say(f"reading {o.file}")
-        table = readers.read(o.file, o.array, o.origin, o.steps)
+        table = readers.read(o.file, o.array)
         units.convert(table, o.file, o.unit, o.length_unit)
         for note in table.notes:
             work.say("  " + note)
@@ -38,7 +38,7 @@ def _define(o: Namespace, work: Work, name: str) -> None:
         work.write(f"{name}.table", table_text(table))
         work.write(f"{name}.toml", text)
         return [f"{name}.table", f"{name}.toml"]
-    options = [o.force, o.wall, o.factor, o.spacing, o.array, o.unit, o.length_unit, o.origin, o.steps]
+    options = [o.force, o.wall, o.factor, o.spacing, o.array, o.unit, o.length_unit]
     work.step("definition", "", [], [digest(o.file), options], compute)
 
 

@@ -78,7 +78,7 @@ def _placed(values: Array, origin: Any, steps: Any, **more: Any) -> Table:
     if values.size > MOST_VALUES:
         raise Failed(f"{values.size:,} values are too many: at most {MOST_VALUES:,}")
     if origin is None or steps is None:
-        raise Failed("an array has no place: --origin X,Y,Z says where its first value is, and --steps H,H,H how far apart they are")
+        raise Failed("an array has no place: numpy.savez(FILE, values=VALUES, origin=[X, Y, Z], spacing=H) gives it one")
     axes = np.array(steps, float)
     if axes.shape not in ((), (1,), (3,), (3, 3)) or np.shape(origin) != (3,):
         raise Failed("its origin must be three numbers, and its spacing one, three, or a row for each axis")
@@ -86,16 +86,9 @@ def _placed(values: Array, origin: Any, steps: Any, **more: Any) -> Table:
     return Table(values.astype(float), np.array(origin, float), axes, length_unit="", **more)
 
 
-def read_npy(data: bytes, origin: Any = None, steps: Any = None, **_: Any) -> Table:
-    """An array that is indexed [i, j, k] along x, y and z."""
-    values = _loaded(data)
-    if not isinstance(values, np.ndarray):
-        raise Failed("no .npy: it holds several arrays")
-    return _placed(values, origin, steps)
-
-
-def read_npz(data: bytes, array: str | None = None, origin: Any = None, steps: Any = None, **_: Any) -> Table:
-    """An array of three dimensions, beside it `origin` and `spacing` (one number, three, or rows of axes)."""
+def read_npz(data: bytes, array: str | None = None) -> Table:
+    """An array of three dimensions, indexed [i, j, k] along x, y and z, beside it `origin` and `spacing` (one number, three, or rows of
+    axes)."""
     known = _loaded(data)
     if isinstance(known, np.ndarray):
         raise Failed("no .npz: it is one array")
@@ -108,7 +101,5 @@ def read_npz(data: bytes, array: str | None = None, origin: Any = None, steps: A
         raise Failed(f"it has no array {array or ''} of three dimensions, only {', '.join(found)}".replace("  ", " "))
     if array is None and len(fields) > 1:
         raise Failed(f"it has the arrays {', '.join(fields)}: --array says which")
-    origin = origin if origin is not None else found.get("origin")
-    steps = steps if steps is not None else found.get("spacing", found.get("delta"))
     name = array or fields[0]
-    return _placed(found[name], origin, steps, notes=[f"array {name}"])
+    return _placed(found[name], found.get("origin"), found.get("spacing", found.get("delta")), notes=[f"array {name}"])

@@ -43,7 +43,7 @@ def run_steps(command: str, o: Namespace, given: Sequence[str], define: Callable
     if broken:
         raise broken
     work.say(f"done: {work.in_shell('index.html')} sums up")
-    return f"hapgrid feel {work.in_shell(grid)}"
+    return f"{work.launcher()} feel {work.in_shell(grid)}"
 
 
 class Work(Folder):
