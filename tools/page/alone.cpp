@@ -33,5 +33,6 @@ void __cxa_free_exception(void*) {}
 void* __cxa_begin_catch(void*) { __builtin_trap(); }
 void __cxa_end_catch() {}
 [[noreturn]] void abort_message(const char*, ...) { __builtin_trap(); }
+[[noreturn]] void __abort_message(const char*, ...) { __builtin_trap(); }  // newer
 [[noreturn]] void __cxa_rethrow() { __builtin_trap(); }
 }
