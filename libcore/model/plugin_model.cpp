@@ -295,9 +295,10 @@ std::vector<fs::path> model_path() {
 
 Plugin::Plugin(const std::string& name, const std::vector<fs::path>& directories) : name_(name) {
   if (!is_valid_name(name))
-    throw ModelError(format("model '{}': a plug-in's name has only letters, digits, '-' and '_'; "
-                            "HAPGRID_MODEL_PATH says where NAME.so is",
-                            printable_line(name)));
+    throw ModelError(
+        format("model '{}': a plug-in's name has only letters, digits, '-' and '_'; "
+               "HAPGRID_MODEL_PATH says where NAME.so is",
+               printable_line(name)));
   std::string searched;
   fs::path file;
   for (const fs::path& directory : directories) {
