@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 ROTORS = ("path", "atoms", "barrier_kJ_mol", "taken", "why")  # the heads of rotors.tsv
 MISSED = 4.0  # kJ/mol: what the sum may miss
-MOST_PATHS = 6  # of more, a grid would need too many levels
+MOST_PATHS = 6  # of a grid: with two sides of each barrier a point has 64 states, as many as MAX_LEVELS
 
 
 def choose(start: Start, result: Result, unwanted: dict[str, str]) -> list[str]:
