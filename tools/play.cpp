@@ -20,6 +20,7 @@
 #include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/loop/realtime.hpp"
+#include "tools/common/progress.hpp"
 #include "tools/common/signals.hpp"
 #include "tools/common/terminal_turn.hpp"
 #include "tools/common/tool.hpp"
@@ -271,12 +272,19 @@ int play(const PlayOptions& options) {
            .traversal = rule,
            .beside = beside ? wanted_beside : kBesideOff});
   if (beside) beside->begin(rate_hz);
+  std::atomic<std::uint64_t> ticks{0};
+  std::optional<ProgressLine> progress;
+  if (!loop.paced() && options.frames.empty())  // a viewer shows how far it is
+    progress.emplace(
+        [&](double) { return format("play: {} ticks", short_number(static_cast<double>(ticks))); });
   const LoopSummary summary =
       drive(device, mapping, *follower.traversal, safety, played, loop,
             options.realtime.value_or(RealtimeMode::kTry), facts, [&](const Tick& tick) {
               log.add(tick);
               viewers.show(tick);
+              ticks.fetch_add(1, std::memory_order_relaxed);
             });
+  progress.reset();
   signals.reset();  // a second signal may interrupt the writing of what is left
   give_up_unread_messages();
   log.finish();

@@ -1,5 +1,8 @@
 // stats: what is in a grid, as a report, a single value or an array; and what happened in a play.
 
+#include <array>
+#include <cstddef>
+#include <cstring>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -94,6 +97,12 @@ std::string report(const Options& options, const Grid& grid, std::uint64_t store
   return value_line(*value);
 }
 
+bool is_text_log(const InputFile& file) {
+  std::array<std::byte, 4> start{};
+  file.read(0, start);
+  return std::memcmp(start.data(), "# t\t", start.size()) == 0;
+}
+
 void show_grid(const Options& options, const Section& section) {
   if (!options.get.empty())
     if (const auto value = value_from_footer(options.get, section))
@@ -112,6 +121,11 @@ int run(const Options& options) {
   keep_inputs({{"--output", options.output}, {"--npy", options.npy}}, inputs);
   announce_terminal(options.file);
   InputFile file(options.file);
+  if (is_text_log(file))
+    throw Error(
+        format("{}: a text log of play: hapgrid plot draws it; play --log FILE.session "
+               "writes what stats reads",
+               file.name()));
   if (!is_session(file)) {
     show_grid(options, open_grid(std::make_shared<const InputFile>(std::move(file))));
     return kExitDone;

@@ -2,12 +2,14 @@
 import pathlib
 import re
 import sys
+import warnings
 
 import hapgrid
 import numpy as np
 import pytest
+from conftest import SOURCE
 
-SESSION = pathlib.Path(__file__).parents[1] / "cli/stats/session.py"
+SESSION = SOURCE / "tests/cli/stats/session.py"
 
 
 @pytest.fixture
@@ -52,6 +54,23 @@ def test_frames(played):
     assert last["shape"].shape == (2, 3) and np.isnan(last["own_energy"]) and np.isnan(last["hand"]).all()
     assert (last["sent"] == log["sent"][-1]).all()
     assert np.abs(last["shape"] - [[*last["state"], 0], last["hip"]]).max() < 1e-6  # floats below 1
+
+
+def test_a_session_is_as_it_was_played_and_a_replay_without_the_model_is_told(run):
+    ball = SOURCE / "examples/hung-ball"
+    allow = "--allow-process", ball / "hung-ball-process.toml"
+    run("seed", ball / "hung-ball-process.toml", *allow[:1], "--set", "grid.spacing=0.2", "--set", "grid.counts=[10, 5, 5]", "-o", "seeds")
+    run("expand", "--complete", "seeds", *allow, "-o", "coarse.grid")
+    run("play", "coarse.grid", "--device", f"path:{ball / 'path-there-and-back.txt'}", "--log", "a.session", *allow)
+    played = hapgrid.read("a.session")["ticks"]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        asked = hapgrid.read("a.session", grid="coarse.grid", allow_process=allow[1])["ticks"]
+    with pytest.warns(UserWarning, match="whose force differs by up to .* N from that which was played.*--allow-process MODEL.toml"):
+        alone = hapgrid.read("a.session", grid="coarse.grid")["ticks"]
+    for ticks in asked, alone:
+        assert all((ticks[name] == played[name]).all() for name in played.dtype.names)
+    assert np.abs(asked["state"] - alone["state"]).max() > 1e-3
 
 
 def test_damaged_files(played):

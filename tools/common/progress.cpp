@@ -19,6 +19,7 @@
 #include "libcore/base/file.hpp"
 #include "libcore/base/format.hpp"
 #include "libcore/base/json.hpp"
+#include "libcore/base/signals.hpp"
 #include "tools/common/tool.hpp"
 
 namespace hapgrid {
@@ -60,6 +61,7 @@ double cpu_seconds() {
 }  // namespace
 
 ProgressLine::ProgressLine(std::function<std::string(double)> text) : text_(std::move(text)) {
+  const BlockedSignals blocked;  // they are the caller's, whose waiting they end
   thread_ = std::jthread([this] { show(); });
 }
 

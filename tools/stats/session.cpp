@@ -128,7 +128,8 @@ std::string session_text(const SessionReader& session, const Json& report) {
   line("box", format("{} x {} x {} points, {} apart, from {}{}", n[0], n[1], n[2],
                      to_text(box.spacing), state_text(box.origin),
                      header.length_unit.empty() ? "" : " " + printable_line(header.length_unit)));
-  line("settings", header.settings.empty() ? "-" : printable_line(header.settings));
+  line("settings",
+       header.settings.empty() ? "-" : printable_line(header.settings, std::string::npos));
   line("rate", format("{} Hz", to_text(header.rate_hz)));
   line("ticks", format("{}, from {} s to {} s ({} s)", ticks, to_text(report["start_s"]),
                        to_text(report["end_s"]), rounded(report["duration_s"])));

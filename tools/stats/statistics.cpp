@@ -162,6 +162,7 @@ Json statistics_json(const GridSpec& spec, const Statistics& s, const CostSums* 
   json["spheres"] = spec.spheres.size();
   json["length_unit"] = spec.length_unit;
   json["energy_unit"] = spec.energy_unit;
+  json["force_scale"] = spec.force_scale;
   json["box"] = {
       {"origin", spec.box.origin}, {"spacing", spec.box.spacing}, {"counts", spec.box.counts}};
   json["points"] = s.points;
@@ -214,6 +215,11 @@ std::string statistics_text(const GridSpec& spec, const Statistics& s, const Cos
   for (const std::string& name : stored_names(spec)) stored += (stored.empty() ? "" : ", ") + name;
   if (spec.stored.shape) stored += format(" of {} spheres", spec.spheres.size());
   if (!stored.empty()) row("stored", stored);
+  if (spec.force_scale > 0 && !spec.energy_unit.empty())
+    row("force",
+        format("{} N on the device for 1 {} in 1 {}", rounded(spec.force_scale),
+               printable_line(spec.energy_unit),
+               spec.length_unit.empty() ? "unit of length" : printable_line(spec.length_unit)));
   row("points", format("{}, of these {} reached ({})", s.points, s.points_reached,
                        percent(s.points_reached, s.points)));
   row("records", format("{} in {} generations", s.records, s.generations));

@@ -16,7 +16,7 @@ wrong '-o FILE is missing' session log
 wrong '-o: a\.jpeg: the name of a picture ends with \.png, \.svg, \.pdf' session log -o a.jpeg
 wrong 'columns needs --y COLUMN' columns log -o a.png
 wrong '--at is not for session' session log --at y=0 -o a.png
-wrong '--allow-process is not for columns' columns log --y s0 --allow-process x -o a.png
+wrong '--allow-process needs --grid, in which a session is replayed' columns log --y s0 --allow-process x -o a.png
 wrong 'session draws one file, not 2' session log log -o a.png
 nothing_left . log
 

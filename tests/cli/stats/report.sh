@@ -16,6 +16,7 @@ parameter    tolerance = 1e-06
 parameter    weight = 1.0
 box          4 x 3 x 2 points, 0.05 apart, from (-0.9, 0, 0) to (-0.75, 0.1, 0.05)
 state        1 component, tolerance 1e-06 rad
+force        1 N on the device for 1 N rope lengths in 1 rope lengths
 points       24, of these 24 reached (100.00 %)
 records      24 in 2 generations
 frontier     0 records (complete)
@@ -70,6 +71,8 @@ for broken in '{"cpu_seconds": 1' '{"cpu_seconds": 1e999}'; do
   refuses 'stats: hours: line 2: no JSON object' -- stats grid --cost r1 --cost hours
 done
 refuses 'stats: missing: No such file or directory' -- stats grid --cost missing
+printf '# t\tx\n' >text.log
+refuses 'stats: text\.log: a text log of play: hapgrid plot draws it; .*' -- stats text.log
 
 # What is refused.
 refuses 'stats: --get: this grid has no value parameters.mass; .*' -- stats grid --get parameters.mass

@@ -157,6 +157,21 @@ TEST_CASE("a field knows where it is lowest and steepest") {
   CHECK(field.steepest() == Approx(2 * std::sqrt(16.0 + 25 + 36)));
 }
 
+TEST_CASE("the steepest place may lie between the points") {
+  Lattice l = lattice({10, 4, 4}, kStraight, {0, 0, 0});
+  fill(l, [](const Vector& x) { return x[0] < 4.5 ? 0 : 1; });
+  const Field field(l, {}, "table");
+  double most = 0;
+  for (double x = 0; x <= 9; x += 0.01) {
+    const Vector at{x, 1, 1};
+    Vector slope;
+    field.at(at.data(), slope.data());
+    most = std::max(most, std::abs(slope[0]));
+  }
+  CHECK(most > 1.1);  // beside the step, at the points, it is (3 - sqrt(3)) / 2
+  CHECK(field.steepest() == Approx(most));
+}
+
 TEST_CASE("a damaged table is refused") {
   const std::string head = "hapgrid-table\ncounts 4 4 4\norigin 0 0 0\naxis 1 0 0\naxis 0 1 0\n";
   std::string values;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -75,15 +76,36 @@ double Field::at(const double* x, double* gradient) const {
   return edge.value + dot(edge.gradient, outside) + rise_ * (std::sqrt(4 + q2) - 2);
 }
 
+// The spline can be steeper between the points than at them: around the steepest ones it is looked
+// at half a step away, too.
 void Field::find_steepest() {
-  std::array<std::size_t, 3> p;
-  for (p[2] = 0; p[2] < lattice_.counts[2]; ++p[2])
-    for (p[1] = 0; p[1] < lattice_.counts[1]; ++p[1])
-      for (p[0] = 0; p[0] < lattice_.counts[0]; ++p[0]) {
-        Vector g;
-        at(lattice_.place(p).data(), g.data());
-        steepest_ = std::max(steepest_, length(g));
-      }
+  const auto& n = lattice_.counts;
+  const auto slope = [this](const Vector& u) {
+    return length(lattice_.gradient(spline_.at(u, false).gradient));
+  };
+  std::vector<double> slopes;
+  for (std::size_t k = 0; k < n[2]; ++k)
+    for (std::size_t j = 0; j < n[1]; ++j)
+      for (std::size_t i = 0; i < n[0]; ++i)
+        slopes.push_back(
+            slope({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)}));
+  std::vector<double> ordered = slopes;
+  const std::size_t looked = std::min<std::size_t>(4096, slopes.size());
+  std::nth_element(ordered.begin(), ordered.begin() + (looked - 1), ordered.end(),
+                   std::greater<>());
+  std::size_t left = looked;
+  for (std::size_t p = 0; p < slopes.size() && left > 0; ++p) {
+    if (!(slopes[p] >= ordered[looked - 1])) continue;
+    --left;
+    const std::array<std::size_t, 3> at{p % n[0], p / n[0] % n[1], p / n[0] / n[1]};
+    for (int step = 0; step < 27; ++step) {
+      Vector u;
+      for (int a = 0, rest = step; a < 3; ++a, rest /= 3)
+        u[a] = std::clamp(static_cast<double>(at[a]) + (rest % 3 - 1) / 2.0, 0.0,
+                          static_cast<double>(n[a] - 1));
+      steepest_ = std::max(steepest_, slope(u));
+    }
+  }
 }
 
 void Field::find_minima(const std::vector<double>& values) {

@@ -51,7 +51,8 @@ class Grid(dict[str, Any]):
         return f"<Grid of {self.known['model']}: {points}, {len(self['level'])} records with {columns}>"
 
 
-def read(path: str | os.PathLike[str], grid: str | os.PathLike[str] | None = None) -> dict[str, Any]:
+def read(path: str | os.PathLike[str], grid: str | os.PathLike[str] | None = None,
+         allow_process: str | os.PathLike[str] | None = None) -> dict[str, Any]:
     """The arrays of a grid, a session, a text log or a file of frames, as a dict from their names to arrays of NumPy.
 
     hapgrid-stats(1) lists those of a grid and of a session. A grid's have a row for each record: "point" (n x 3),
@@ -65,7 +66,8 @@ def read(path: str | os.PathLike[str], grid: str | os.PathLike[str] | None = Non
                    hand (that pulls the HIP by a spring; NaN without one)
 
     A session has neither states nor energies. With `grid`, the file of the grid that was played, play replays the
-    session there by its defaults, and the ticks are those of a text log, with both.
+    session there, and its ticks get those of the replay: state, energy, own_energy and snap. A warning says where the
+    replay's force is another one. `allow_process` is the definition whose command may be run as the model, as in play, and
     os.environ["HAPGRID_MODEL_PATH"] names the folder of the grid's plug-in, where it is one of your own.
 
     Raises OSError when the file cannot be read, and ValueError when it is none of these or damaged.
@@ -78,7 +80,7 @@ def read(path: str | os.PathLike[str], grid: str | os.PathLike[str] | None = Non
         if MAGIC in start:
             return {"frames": read_frames(path, start + file.read())}
     if grid is not None:
-        return {"ticks": _replayed(path, os.fspath(grid))}
+        return {"ticks": _replayed(path, os.fspath(grid), allow_process)}
     return _arrays(path)
 
 
@@ -136,12 +138,30 @@ def _arrays(path: str) -> dict[str, Any]:
     return Grid({name: rows[name] for name in rows.dtype.names} | box, known)
 
 
-def _replayed(path: str, grid: str) -> Any:
+def _replayed(path: str, grid: str, allow_process: str | os.PathLike[str] | None) -> Any:
+    import numpy
+
+    played = _arrays(path)["ticks"]
     command = [program("play"), grid, "--device", f"replay:{path}", "--log", "-"]
+    if allow_process is not None:
+        command += ["--allow-process", os.fspath(allow_process)]
     result = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, check=False)
     if result.returncode != 0:
         raise ValueError(f"{path}: {result.stderr.decode(errors='replace').strip()}")
-    return _text_log(path, io.BytesIO(result.stdout))
+    again = _text_log(path, io.BytesIO(result.stdout))
+    if len(again) != len(played):
+        raise ValueError(f"{path}: it has {len(played)} ticks, and its replay in {grid} {len(again)}: is this the grid that was played?")
+    apart, largest = (numpy.abs(force).max() for force in (again["force"] - played["force"], played["force"]))
+    if apart > 0.01 * largest:
+        warnings.warn(f"{path}: states and energies are those of a replay in {grid}, whose force differs by up to {apart:.2g} N from that "
+                      f"which was played ({largest:.2g} N at most). Where a process was the model, --allow-process MODEL.toml asks it "
+                      "again (in Python: allow_process)", stacklevel=3)
+    more = [name for name in ("state", "energy", "own_energy", "snap") if name in again.dtype.names]
+    ticks = numpy.zeros(len(played), played.dtype.descr + [(name, again.dtype[name]) for name in more])
+    for source, names in ((played, played.dtype.names), (again, more)):
+        for name in names:
+            ticks[name] = source[name]
+    return ticks
 
 
 def _text_log(path: str, file: IO[bytes]) -> Any:

@@ -84,17 +84,18 @@ def _levels_legend(drawn: Any, axes: Any, levels: Any, colours: Any) -> None:
     drawn.colorbar(scale, ax=axes, label="levels")
 
 
-def columns(files: Files, x: str, y: str, *, grid: Name | None = None, names: Iterable[str] | None = None,
-            labels: Sequence[str] | None = None) -> Any:
+def columns(files: Files, x: str, y: str, *, grid: Name | None = None, allow_process: Name | None = None,
+            names: Iterable[str] | None = None, labels: Sequence[str] | None = None) -> Any:
     """Column `y` over column `x` of logs, sessions and files of frames, one over the other. The columns are those of
     hapgrid-play(1), and "force" and "sent" for the length of the vectors.
 
-    grid    the file of the grid that was played: it tells the units, and gives a session its states and energies
-    names   of the files in the legend
-    labels  of the two axes, in place of the columns' names
+    grid           the file of the grid that was played: it tells the units, and gives a session its states and energies
+    allow_process  the definition whose command may be run as the model for that, as in play
+    names          of the files in the legend
+    labels         of the two axes, in place of the columns' names
 
     The way back is told from the way there, where x is a place. What the model does when it snaps is dotted."""
-    plays = [Play(file, grid) for file in _each(files)]
+    plays = [Play(file, grid, allow_process) for file in _each(files)]
     names = [os.path.basename(play.path) for play in plays] if names is None else list(names)
     if len(names) != len(plays):
         raise ValueError(f"{len(names)} names for {len(plays)} files")
@@ -168,12 +169,12 @@ def _curve(axes: Any, x: Any, y: Any, snaps: Any, name: str | None, colours: Seq
                 axes.plot(x[k - 1:k + 1], y[k - 1:k + 1], color=colour, zorder=3, **SNAP_MARK)
 
 
-def session(file: Name, grid: Name | None = None) -> Any:
+def session(file: Name, grid: Name | None = None, allow_process: Name | None = None) -> Any:
     """What happened in a play, over time: force, HIP, energy, times, and what was flagged. `file` is a session, a log or a file
-    of frames; `grid`, the grid that was played, adds units, and the energies of a session."""
+    of frames; `grid`, the grid that was played, adds units, and the energies of a session. allow_process: see columns()."""
     import numpy
 
-    play = Play(file, grid)
+    play = Play(file, grid, allow_process)
     panels = [_force_panel, _hip_panel]
     panels += [_work_panel] if play.report and "flags" in play.ticks.dtype.names else []
     panels += [_energy_panel] if "energy" in _there(play) else []

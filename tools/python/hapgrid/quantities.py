@@ -64,9 +64,10 @@ class Play:
     """A log, session or file of frames. ticks: as read() has them; units: of "length", "energy" and "state", "" where they
     are not known."""
 
-    def __init__(self, path: str | os.PathLike[str], grid: str | os.PathLike[str] | None = None) -> None:
+    def __init__(self, path: str | os.PathLike[str], grid: str | os.PathLike[str] | None = None,
+                 allow_process: str | os.PathLike[str] | None = None) -> None:
         self.path = os.fspath(path)
-        arrays = read(self.path, grid)
+        arrays = read(self.path, grid, allow_process)
         self.ticks = arrays.get("ticks", arrays.get("frames"))
         if self.ticks is None:
             raise ValueError(f"{self.path}: a grid, not a session, log or file of frames")

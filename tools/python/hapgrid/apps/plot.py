@@ -5,6 +5,7 @@ import argparse
 import os
 import signal
 import sys
+import warnings
 from collections.abc import Sequence
 from typing import NoReturn
 
@@ -66,7 +67,8 @@ def arguments(words: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--x", metavar="COLUMN", help="column along the horizontal axis (default: t)")
     parser.add_argument("--y", metavar="COLUMN", help="column along the vertical axis")
     parser.add_argument("--grid", metavar="GRID", help="grid that was played: units, and a session's states and energies")
-    parser.add_argument("--allow-process", metavar="MODEL.toml", help="definition whose command may be run for error")
+    parser.add_argument("--allow-process", metavar="MODEL.toml",
+                        help="definition whose command may be run as the model, for error, and for a session with --grid")
     parser.add_argument("-h", "--help", action="help", help="print this help and exit")
     parser.add_argument("-V", "--version", action="store_true", help="print the version and exit")
     if words in (["-V"], ["--version"]):
@@ -81,11 +83,13 @@ def checked(options: argparse.Namespace) -> argparse.Namespace:
     """The options, where each of them means something for the picture. Raises Wrong."""
     from hapgrid.style import kind_of
 
-    mine = {"slice": {"at"}, "field": {"at"}, "columns": {"x", "y", "grid"},
-            "session": {"grid"}, "error": {"allow_process"}}[options.picture]
+    mine = {"slice": {"at"}, "field": {"at"}, "columns": {"x", "y", "grid", "allow_process"},
+            "session": {"grid", "allow_process"}, "error": {"allow_process"}}[options.picture]
     for name in ("at", "x", "y", "grid", "allow_process"):
         if getattr(options, name) is not None and name not in mine:
             raise Wrong(f"--{name.replace('_', '-')} is not for {options.picture}")
+    if options.allow_process is not None and options.grid is None and options.picture != "error":
+        raise Wrong("--allow-process needs --grid, in which a session is replayed")
     if options.picture in ("slice", "field", "session") and len(options.files) != 1:
         raise Wrong(f"{options.picture} draws one file, not {len(options.files)}")
     if options.picture == "columns" and options.y is None:
@@ -111,9 +115,9 @@ def draw(options: argparse.Namespace) -> None:
     elif options.picture == "field":
         figure = plot.field(options.files[0], options.at)
     elif options.picture == "columns":
-        figure = plot.columns(options.files, options.x or "t", options.y, grid=options.grid)
+        figure = plot.columns(options.files, options.x or "t", options.y, grid=options.grid, allow_process=options.allow_process)
     elif options.picture == "session":
-        figure = plot.session(options.files[0], options.grid)
+        figure = plot.session(options.files[0], options.grid, options.allow_process)
     else:
         more = [f"--allow-process={options.allow_process}"] if options.allow_process else []
         figure = plot.error(options.files, options=more)
@@ -127,6 +131,7 @@ def draw(options: argparse.Namespace) -> None:
 def main() -> int:
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+    warnings.showwarning = lambda message, *_: print(f"plot: {message}", file=sys.stderr)
     try:
         draw(arguments(sys.argv[1:]))
     except Wrong as why:

@@ -129,7 +129,8 @@ def read(o: Namespace) -> Start:
         turning = [t if t.name in wanted else replace(t, signs=tuple(s for s in t.signs if t.file_name(s) in wanted))
                    for t in turning]
         turning = [t for t in turning if t.signs]
-    folder.say(f"  {one.formula}, {len(one.numbers)} atoms, charge {signed(one.charge)}, {len(turning)} bonds turn"
+    folder.say(f"  {one.formula}, {len(one.numbers)} atoms, charge {signed(one.charge)}, "
+               f"{len(turning)} {'bond turns' if len(turning) == 1 else 'bonds turn'}"
                + (f"; {rings} rings stay as they are" if rings else ""))
     isomer = stereo.of(one.rd, one.positions)
     told = stereo.told(one.rd, one.positions, isomer)

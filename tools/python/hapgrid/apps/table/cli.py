@@ -57,7 +57,8 @@ def parser() -> Parser:
     p.add_argument("--force", type=number(0.01, 100), metavar="N", default=3.0,
                    help="force on the device where the energy is steepest, in newtons (default: 3)")
     p.add_argument("--wall", type=wall, metavar="E",
-                   help="energy of the wall where values are higher or missing, in the table's unit, after --factor; none: no wall")
+                   help="energy of the wall where values are higher or missing, after --factor, in the unit of the grid, which is TO of "
+                   "--unit FROM:TO; none: no wall")
     p.add_argument("--factor", type=number(-1e30, 1e30), metavar="F", default=1.0,
                    help="number by which all values are multiplied, as a charge (default: 1)")
     p.add_argument("--spacing", type=number(1e-9, 1e9), metavar="H",

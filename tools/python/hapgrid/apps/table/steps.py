@@ -77,8 +77,7 @@ def wall_of(o: Namespace, table: Table) -> tuple[float | None, int, int]:
 
 
 def box_of(table: Table, spacing: float | None) -> tuple[Array, float, list[int]]:
-    """(origin, spacing, counts) of the grid. A table along the axes is the box, as far as whole cells go;
-    around any other one the box is as large as it must be."""
+    """(origin, spacing, counts) of the grid: a box of whole cells around the table, so that each value can be felt."""
     steps = np.linalg.norm(table.axes, axis=1)
     size = np.array(table.values.shape) - 1
     corners = np.array([table.origin + np.array([i, j, k]) * size @ table.axes
@@ -86,13 +85,11 @@ def box_of(table: Table, spacing: float | None) -> tuple[Array, float, list[int]
     low, high = corners.min(axis=0), corners.max(axis=0)
     if spacing and spacing > (high - low).min() * (1 + 1e-6):
         raise Failed(f"--spacing {spacing:g}: the table has only {(high - low).min():g} along an axis")
-    straight = (np.abs(table.axes) > 1e-6 * steps[:, None]).sum() == 3
     h = spacing or float(steps.min())
 
     def counts(h: float) -> list[int]:
-        cells = (high - low) / h
-        cells = np.floor(cells + 1e-6) if straight else np.ceil(cells - 1e-6)
-        return [max(int(c), 1) + 1 for c in cells]
+        return [max(int(c), 1) + 1 for c in np.ceil((high - low) / h - 1e-6)]
+
     if not spacing and math.prod(counts(h)) > MOST_POINTS:
         h = float(f"{h * (math.prod(counts(h)) / MOST_POINTS) ** (1 / 3):.3g}")
     return low, h, counts(h)
