@@ -52,17 +52,9 @@ hapgrid.serve(Compass)
 PYTHON
 grid() { # PERIOD
   cat >compass.toml <<TOML
-[model]
-process = ["/usr/bin/python3", "compass.py"]
-name = "compass"
-[model.parameters]
-period = $1
-[grid]
-origin = [-1.75, -1.75, 0]
-spacing = 0.5
-counts = [8, 8, 2]
-[search]
-max_levels = 16
+model = {process = ["/usr/bin/python3", "compass.py"], name = "compass", parameters = {period = $1}}
+grid = {origin = [-1.75, -1.75, 0], spacing = 0.5, counts = [8, 8, 2]}
+search = {max_levels = 16}
 TOML
   seed compass.toml --allow-process | expand --complete --allow-process compass.toml
 }

@@ -123,19 +123,10 @@ hapgrid.serve(wrong)
 PYTHON
 define_wrong() {
   cat >wrong.toml <<TOML
-[model]
-process = ["/usr/bin/python3", "wrong.py"]
-name = "wrong"
-[model.parameters]
-fault = "$1"
-${2-atoms = 3}
-sizes = [1, 2]
-many = [1, 2]
-probe.radius = 2
-[grid]
-origin = [0, 0, 0]
-spacing = 1
-counts = [2, 2, 2]
+model.process = ["/usr/bin/python3", "wrong.py"]
+model.name = "wrong"
+model.parameters = {fault = "$1", ${2-atoms = 3,} sizes = [1, 2], many = [1, 2], probe.radius = 2}
+grid = {origin = [0, 0, 0], spacing = 1, counts = [2, 2, 2]}
 TOML
 }
 while IFS=: read -r fault words; do
