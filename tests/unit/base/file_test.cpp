@@ -9,6 +9,7 @@
 
 #include "libcore/base/parallel.hpp"
 #include "tests/unit/catch.hpp"
+#include "tests/unit/temporary_directory.hpp"
 
 using namespace hapgrid;
 namespace fs = std::filesystem;

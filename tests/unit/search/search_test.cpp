@@ -2,6 +2,7 @@
 
 #include "tests/unit/catch.hpp"
 #include "tests/unit/search/shards.hpp"
+#include "tests/unit/temporary_directory.hpp"
 
 using namespace hapgrid;
 

@@ -4,7 +4,9 @@
 #include "libcore/session/reader.hpp"
 #include "libcore/session/recorder.hpp"
 #include "tests/unit/catch.hpp"
+#include "tests/unit/refusal.hpp"
 #include "tests/unit/session/ticks.hpp"
+#include "tests/unit/temporary_directory.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::testing;
