@@ -1,4 +1,4 @@
-# The Python module: read() gives what the dump of a grid and the text of a session say, and search() makes a grid.
+# The Python module: read() gives grids, sessions, logs and frames, and search() makes a grid.
 source "$(dirname "$0")/../lib.sh"
 python=$(realpath "$HAPGRID_BIN/../python")
 
@@ -19,12 +19,10 @@ grid = {origin = [-1, 0, 0], spacing = 1, counts = [3, 2, 2]}
 TOML
 seed half.toml --allow-process | expand --complete --allow-process half.toml -o grid
 
-# What read() gives is what the dump and the text of a session say.
-dump grid >dump
+# What read() gives is what the closed form and the log say. stats/arrays.sh has the arrays of stats.
 printf '%s\n' '-0.5 0.5 0.5' '0.5 0.5 0.5' >path
 play grid --device path:path --log a.session --frames a.frames 2>/dev/null
 play grid --device path:path --log a.log 2>/dev/null
-python3 "$HAPGRID_SOURCE/tests/cli/stats/session.py" text a.session >text
 head -c 200 grid >cut
 head -c -20 a.session >cut.session
 touch empty
@@ -36,18 +34,15 @@ import hapgrid
 import numpy as np
 
 grid = hapgrid.read("grid")
-dump = np.array([line.split("\t")[:6] for line in open("dump") if line[0] != "#"], float)
-assert len(dump) >= 12
-assert f"{len(dump)} records with point, level, " in repr(grid), grid
-assert (grid["point"] == dump[:, :3]).all() and (grid["level"] == dump[:, 3]).all()
-assert (grid["state"] == dump[:, 4:]).all()
-# In closed form: the state is half of where the HIP is, and the force leads back from it.
+assert "12 records with point, level, " in repr(grid), grid
+# The state is half of where the HIP is, and the force leads back from it.
+assert {tuple(p) for p in grid["point"]} == set(np.ndindex(3, 2, 2)) and (grid["level"] == 0).all()
 assert (grid["state"] == (grid["origin"] + grid["spacing"] * grid["point"])[:, :2] / 2).all()
-assert (grid["force"] == np.column_stack([-grid["state"], np.full(len(dump), 0.5)])).all()
-ticks, text = hapgrid.read(pathlib.Path("a.session"))["ticks"], np.loadtxt("text")
-assert len(ticks) == len(text) == 2 and (ticks["t"] == text[:, 0]).all() and (ticks["hip"] == text[:, 1:4]).all()
+assert (grid["force"] == np.column_stack([-grid["state"], np.full(12, 0.5)])).all()
+ticks = hapgrid.read(pathlib.Path("a.session"))["ticks"]
 text, log = np.loadtxt("a.log"), hapgrid.read("a.log")["ticks"]
 again = hapgrid.read("a.session", grid="grid")["ticks"]
+assert len(ticks) == len(text) == 2 and (ticks["t"] == text[:, 0]).all() and (ticks["hip"] == text[:, 1:4]).all()
 assert log.dtype.names == ("t", "hip", "force", "sent", "levels", "state", "energy", "snap")
 for got in log, again:
     assert (got["t"] == text[:, 0]).all() and (got["hip"] == text[:, 1:4]).all() and (got["force"] == text[:, 4:7]).all()
@@ -60,7 +55,7 @@ assert (last["state"] == log["state"][-1]).all() and last["energy"] == log["ener
 assert last["shape"].shape == (2, 3) and np.isnan(last["own_energy"]) and np.isnan(last["hand"]).all() and (last["sent"] == log["sent"][-1]).all()
 assert np.abs(last["shape"] - [[*last["state"], 0], last["hip"]]).max() < 1e-6  # floats below 1
 for name, error, words in (("gone", FileNotFoundError, "gone"), ("cut", ValueError, "cut: stats: "), ("empty", ValueError, "empty: stats: "),
-                           ("cut.session", ValueError, "a session without a tick, which ended early"), ("dump", ValueError, "dump: stats: "),
+                           ("cut.session", ValueError, "a session without a tick, which ended early"), ("path", ValueError, "path: stats: "),
                            ("cut.frames", ValueError, "cut.frames: damaged frames"), ("bad.log", ValueError, "bad.log: not a log of play")):
     try:
         hapgrid.read(name)
