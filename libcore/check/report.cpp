@@ -34,7 +34,8 @@ std::string table_of(const std::vector<Check>& checks) {
 
 /// What there is to say of a check below the table, with a line for what an offender is.
 std::string details_of(const Check& c) {
-  std::string text = format("{}: {}\n", c.name, c.meaning);
+  std::string text =
+      format("{}: {}{}\n", c.name, c.verdict() == "ok" ? "none found: " : "", c.meaning);
   if (!c.not_proved.empty()) text += format("  not proved: {}\n", c.not_proved);
   for (const Figure& figure : c.figures)
     text += format("  {} {}{}{}\n", figure.name, rounded(figure.value),

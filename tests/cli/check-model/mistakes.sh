@@ -164,7 +164,7 @@ assert 1 <= rows["defined"] <= 8, rows
 
 # A descent that leaps: the truss snaps where it meets no limit point. Steps of any length, as those of the minimisers of
 # SciPy and ASE, and of relax(), which cannot leap.
-cp "$here/truss.py" .
+cp "$HAPGRID_SOURCE/tests/python/models/truss.py" .
 for minimiser in leap relax; do
   if [[ $minimiser == leap ]]; then substep=0.7; else substep=0.05; fi
   cat >truss.toml <<TOML

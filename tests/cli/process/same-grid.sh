@@ -1,5 +1,5 @@
 # A model as a process: the one in Python finds what the plug-in finds, and the grid does not depend on how its processes
-# worked. Answers in another order and processes that die are in unit/model, questions at a time in python/serve.sh.
+# worked. Answers in another order and processes that die are in unit/model, questions at a time in python/test_serve.py.
 source "$(dirname "$0")/../lib.sh"
 example=$HAPGRID_SOURCE/examples/hung-ball
 toml=$example/hung-ball-process.toml

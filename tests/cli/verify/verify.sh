@@ -28,7 +28,7 @@ ends='
 snaps: steps along which the model snaps, and which end in another state when they are made in 64 pieces: C leaps over barriers that are still there, or is less exact than its tolerance. Make its steps of the HIP smaller, and go downhill by a descent that cannot leap, such as hapgrid.relax() in Python
   spread 0 rad: 99 % of the states that count as the same are this near; the tolerance is 1e-06 rad
 
-continuous: cells around a record in which its branch lacks a corner
+continuous: none found: cells around a record in which its branch lacks a corner
   torn 0: of these cells: the branch ends in them
   mixed 0: of these cells: two other corners are not of one branch themselves
   ghosts 0: extrapolated rows at points before which a branch ends'
@@ -44,7 +44,7 @@ steep: how steep state and force are on a branch, and where a device renders tha
   state 0 rad/rope lengths
   force 0 N/rope lengths
 
-passive: snaps that lead up, so that a closed walk gains energy
+passive: none found: snaps that lead up, so that a closed walk gains energy
   largest gain 0 N rope lengths
   largest loss 0 N rope lengths'
 # The ball is nowhere touched.
