@@ -156,18 +156,11 @@ rounds() {
 # stuck_grid CRASH: makes the grid stuck.CRASH of the test plug-in `stuck`: half a newton along x, until a HIP
 # beyond x = 0.5 hangs the force function, or makes it crash.
 stuck_grid() {
-  local plugins=$HAPGRID_BUILD/tests/plugins
   cat >stuck.toml <<TOML
-[model]
-plugin = "stuck"
-[model.parameters]
-crash = $1
-[grid]
-origin = [-1, -1, -1]
-spacing = 0.5
-counts = [5, 5, 5]
+model = {plugin = "stuck", parameters = {crash = $1}}
+grid = {origin = [-1, -1, -1], spacing = 0.5, counts = [5, 5, 5]}
 TOML
-  export HAPGRID_MODEL_PATH=$plugins
+  export HAPGRID_MODEL_PATH=$HAPGRID_BUILD/tests/plugins
   seed stuck.toml | expand --complete -o "stuck.$1"
 }
 

@@ -37,8 +37,9 @@ if [[ -n ${HAPGRID_AFL_ONE:-} ]]; then
   # AFL's own abort is no finding where a plug-in is loaded after the first input.
   export AFL_IGNORE_PROBLEMS=1 HAPGRID_MODEL_PATH=$build/models AFL_SKIP_CPUFREQ=1 AFL_NO_UI=1 AFL_NO_AFFINITY=1 \
     AFL_AUTORESUME=1 AFL_I_DONT_CARE_ABOUT_MISSING_CRASHES=1 AFL_IGNORE_SEED_PROBLEMS=1 UBSAN_OPTIONS=abort_on_error=1:symbolize=0
+  "$source/tests/fuzz/corpus.sh" "${run[0]}" "$build/out/$name.begin"
   # An input may take two seconds: a small shard can ask for some million points.
-  nice -n 15 afl-fuzz -i "$corpus/${run[0]}" -o "$build/out/$name" -V "$seconds" -t 2000 -m 1024 -- \
+  nice -n 15 afl-fuzz -i "$build/out/$name.begin" -o "$build/out/$name" -V "$seconds" -t 2000 -m 1024 -- \
     "$build/bin/${run[1]}" "${run[@]:2}" >"$build/out/$name.log" 2>&1 || { tail -n 30 "$build/out/$name.log" >&2; exit 1; }
   exit
 fi

@@ -13,8 +13,8 @@ for target in "$@"; do
   corpus=$source/corpus/$target
   rm -f "$corpus"/found-[0-9]*
   [[ -d $build/found/$target ]] || continue
-  mkdir -p "$work/$target" "$work/small"
-  cp "$corpus"/* "$work/$target"
+  "$source/corpus.sh" "$target" "$work/$target"
+  mkdir "$work/small"
   find "$build/found/$target" -type f -size -4097c -exec cp -t "$work/small" {} +
   nice -n 15 "$build/fuzz_$target" -set_cover_merge=1 "$work/$target" "$work/small" \
     >"$work/log" 2>&1 || { cat "$work/log" >&2; exit 1; }
@@ -22,7 +22,7 @@ for target in "$@"; do
   number=0
   # The greedy algorithm writes the input that adds most first.
   while read -r file; do
-    [[ ! -e $corpus/$file ]] || continue
+    [[ ! -e $corpus/$file && $file != example-* ]] || continue
     ((++number <= 24)) || break
     cp "$work/$target/$file" "$corpus/found-$number"
   done < <(ls -tr --time=ctime "$work/$target")

@@ -42,18 +42,10 @@ head -c -30 played.session | put session cut
 put streams frames-played <frames
 head -c -20 frames | put streams frames-cut
 
-# Texts for people.
-put texts definition-ball <"$ball"
-put texts definition-process <"$HAPGRID_SOURCE/examples/hung-ball/hung-ball-process.toml"
-for toml in soft-tissue/soft-tissue molecule/butane/butane; do
-  put texts "definition-${toml##*/}" <"$HAPGRID_SOURCE/examples/$toml.toml"
-done
+# Texts for people; corpus.sh adds those of the examples.
 (cat "$ball"; printf '\0grid.counts=[5, 4, 3]') | put texts definition-override
 head -n 20 path | put texts path-path
 head -n 20 "$HAPGRID_SOURCE/examples/hung-ball/path-there-and-back.txt" | put texts path-example
-for toml in teensy-rawhid template; do
-  put texts "profile-$toml" <"$HAPGRID_SOURCE/examples/devices/$toml.toml"
-done
 
 # What --cost appends to.
 expand --cost cost seeds >requests

@@ -40,12 +40,13 @@ fi
 
 target=$1
 mkdir -p "$build/found/$target"
+"$source/corpus.sh" "$target" "$build/begin/$target"
 dictionary=()
 [[ ! -e $source/$target.dict ]] || dictionary=("-dict=$source/$target.dict")
 # A reader gets inputs of up to 64 KiB here, and 1 GiB of memory with all that the sanitizer needs.
 code=0
 TIMEFORMAT='%U %S'
-{ time nice -n 15 "$build/fuzz_$target" "$build/found/$target" "$source/corpus/$target" \
+{ time nice -n 15 "$build/fuzz_$target" "$build/found/$target" "$build/begin/$target" \
   "${dictionary[@]}" -max_total_time="$seconds" -max_len=65536 -rss_limit_mb=1024 -timeout=20 \
   -artifact_prefix="$build/findings/$target-" -print_final_stats=1 -verbosity=1 \
   >"$build/$target.log" 2>&1; } 2>"$build/$target.time" || code=$?

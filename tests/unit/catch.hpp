@@ -1,5 +1,5 @@
-// What unit tests share: Catch2 by the names of its version 3, with the version 2.13 of Debian 12
-// as well; what a refusal says; a directory for one test; and the standard headers of most of them.
+// Catch2 by the names of its version 3, with the version 2.13 of Debian 12 as well, and the
+// standard headers of most unit tests.
 #pragma once
 
 #include <algorithm>
@@ -39,48 +39,3 @@ namespace Catch::Matchers {
 inline auto ContainsSubstring(const std::string& text) { return Contains(text); }
 }  // namespace Catch::Matchers
 #endif
-
-#include "libcore/base/error.hpp"
-#include "libcore/grid/vec3.hpp"
-
-namespace hapgrid::testing {
-
-inline constexpr double kInf = std::numeric_limits<double>::infinity();
-inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-inline constexpr double kEps = std::numeric_limits<double>::epsilon();
-inline constexpr Vec3 kZero{0, 0, 0};
-
-/// The message of the hapgrid::Error that `f` throws, or "" where it throws none.
-template <class F>
-std::string refusal(F&& f) {
-  try {
-    f();
-  } catch (const Error& e) {
-    return e.what();
-  }
-  return "";
-}
-
-}  // namespace hapgrid::testing
-
-/// Is removed with all that is in it.
-class TemporaryDirectory {
- public:
-  TemporaryDirectory() {
-    std::string name = (std::filesystem::temp_directory_path() / "hapgrid.XXXXXX").string();
-    if (!::mkdtemp(name.data())) std::abort();
-    path_ = name;
-  }
-  ~TemporaryDirectory() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryDirectory(const TemporaryDirectory&) = delete;
-  TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
-
-  std::string file(const std::string& name) const { return (path_ / name).string(); }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};

@@ -8,6 +8,7 @@ needs obabel openbabel
 needs vina autodock-vina
 needs node nodejs
 needs_python scipy python3-scipy
+refused() { refuses "dock: $1" -- timeout 60 hapgrid dock "${@:2}" -o out -q; } # REGEX HOST LIGAND OPTION...
 host=$HAPGRID_SOURCE/examples/docking/calix.mol2 ligand=$HAPGRID_SOURCE/examples/docking/formamide.mol2
 
 hapgrid dock "$host" "$ligand" -o usual --centre 0,0,3 --size 2,2,3 --until definition -q
@@ -59,8 +60,8 @@ obabel -:OCCO --gen3d -O glycol.mol2 >/dev/null 2>&1
 hapgrid dock "$host" glycol.mol2 -o bends --torsions 1 --centre 0,0,4.4 --size 0.8,0.8,0.8 --spacing 0.8 --atoms -q >line
 same 'the line to feel it' 'hapgrid feel bends/bends.grid' "$(cat line)"
 same 'a state of six numbers and an angle' 'torsion 1 / rad' "$(head -n 1 bends/poses.tsv | cut -f 11)"
-refuses 'dock: .*4 torsions are asked for, and 3 of its bonds turn.*' -- \
-  hapgrid dock "$host" glycol.mol2 -o out --torsions 4 --centre 0,0,4.4 --size 0.8,0.8,0.8 -q
+refused '.*4 torsions are asked for, and 3 of its bonds turn.*' \
+  "$host" glycol.mol2 --torsions 4 --centre 0,0,4.4 --size 0.8,0.8,0.8
 
 # The same command again does nothing.
 before=$(stat -c %Y.%i small/small.grid)
@@ -76,19 +77,15 @@ same 'the same definition' "$(stat -c %Y small/small.toml)" "$(stat -c %Y rename
 # reaches beyond them, where the energy of an atom grows.
 hapgrid dock usual/host.maps.fld usual/ligand.pdbqt -o own --centre 0,0,3 --size 2,2,3 --until definition -q
 /usr/bin/python3 "$here/energies.py" own on usual
-refuses 'dock: the box is not inside the maps, which go from .*' -- \
-  hapgrid dock usual/host.maps.fld usual/ligand.pdbqt -o out --centre 0,0,9 --size 2,2,3 -q
+refused 'the box is not inside the maps, which go from .*' usual/host.maps.fld usual/ligand.pdbqt --centre 0,0,9 --size 2,2,3
 mkdir cut && cp usual/host.* cut && head -n 100 usual/host.C.map >cut/host.C.map
-refuses 'dock: cut/host.C.map: its header speaks of [0-9,]+ values, and it has 94' -- \
-  hapgrid dock cut/host.maps.fld usual/ligand.pdbqt -o out -q
+refused 'cut/host.C.map: its header speaks of [0-9,]+ values, and it has 94' cut/host.maps.fld usual/ligand.pdbqt
 sed -E '/^ATOM      1/s/(.{30}).{24}/\1 -30.000 -30.000 -30.000/' usual/ligand.pdbqt >long.pdbqt
-refuses 'dock: long.pdbqt: atoms [0-9.]+ angstrom from the .* it is larger than the maps' -- \
-  hapgrid dock usual/host.maps.fld long.pdbqt -o out -q
+refused 'long.pdbqt: atoms [0-9.]+ angstrom from the .* it is larger than the maps' usual/host.maps.fld long.pdbqt
 sed 's/OA-affinity/F-affinity/' usual/host.maps.fld >usual/less.fld
-refuses 'dock: usual/less.fld: there is no map OA, which an atom of the ligand needs' -- \
-  hapgrid dock usual/less.fld usual/ligand.pdbqt -o out -q
+refused 'usual/less.fld: there is no map OA, which an atom of the ligand needs' usual/less.fld usual/ligand.pdbqt
 sed '/^label/d' usual/host.maps.fld >usual/none.fld
-refuses 'dock: usual/none.fld: no .fld file of AutoGrid: .*' -- hapgrid dock usual/none.fld usual/ligand.pdbqt -o out -q
+refused 'usual/none.fld: no .fld file of AutoGrid: .*' usual/none.fld usual/ligand.pdbqt
 
 # A host atom by atom. Where it can make no hydrogen bond, whose direction only maps know, its energies are AutoDock's.
 sed 's/ OA$/ N /; s/ HD$/ H /' usual/host.pdbqt >plain.pdbqt
@@ -97,16 +94,14 @@ finer plain
 hapgrid dock plain.pdbqt "$ligand" -o atoms "${small_box[@]}" --atoms --until definition -q
 [[ ! -e atoms/host.gpf ]] || fail 'AutoGrid was called'
 /usr/bin/python3 "$here/energies.py" atoms atoms plain
-refuses 'dock: usual/host.maps.fld: --atoms needs the file of the .*' -- \
-  hapgrid dock usual/host.maps.fld "$ligand" -o out --atoms -q
-refuses 'dock: the ligand overlaps with the host everywhere in the box: .*' -- \
-  hapgrid dock "$host" "$ligand" -o out --centre 0.17,-2.29,-1.97 --size 0.5,0.5,0.5 --atoms -q
+refused 'usual/host.maps.fld: --atoms needs the file of the .*' usual/host.maps.fld "$ligand" --atoms
+refused 'the ligand overlaps with the host everywhere in the box: .*' \
+  "$host" "$ligand" --centre 0.17,-2.29,-1.97 --size 0.5,0.5,0.5 --atoms
 [[ ! -e out/out.toml ]] || fail 'the definition of a refused run stays'
 sed 's/ HD$/ Zn/' usual/host.pdbqt >zinc.pdbqt
-refuses 'dock: .*there are no parameters for atoms of type Zn' -- \
-  hapgrid dock zinc.pdbqt "$ligand" -o out "${small_box[@]}" --atoms -q
+refused '.*there are no parameters for atoms of type Zn' zinc.pdbqt "$ligand" "${small_box[@]}" --atoms
 for ((n = 0; n < 501; ++n)); do grep '^ATOM      1' small/ligand.pdbqt; done >crowd.pdbqt
-refuses 'dock: crowd.pdbqt: 501 atoms, at most 500 are possible' -- hapgrid dock crowd.pdbqt "$ligand" -o out --atoms -q
+refused 'crowd.pdbqt: 501 atoms, at most 500 are possible' crowd.pdbqt "$ligand" --atoms
 
 # An aspartate and a histidine as PDB2PQR has them, with the types and charges of AutoDock.
 cat >pair.pqr <<'END'
@@ -123,48 +118,47 @@ hapgrid dock pair.pqr "$ligand" -o pair --centre 0,0,3 --size 1,1,1 --until defi
 same 'types and charges' '-0.043 C +0.799 C -0.801 OA +0.164 A -0.543 NA -0.280 N +0.334 HD' \
   "$(cut -c 71-79 pair/host.pdbqt | xargs)"
 sed 's/^ATOM 8 HE2 HIE A 2 0.000 2.300/ATOM 8 HE2 HIE A 2 0.000 9.000/' pair.pqr >far.pqr
-refuses 'dock: far.pqr: a hydrogen has no neighbour within 1.45 angstrom' -- hapgrid dock far.pqr "$ligand" -o out -q
+refused 'far.pqr: a hydrogen has no neighbour within 1.45 angstrom' far.pqr "$ligand"
 sed 's/0.6000/x/' pair.pqr >word.pqr
-refuses 'dock: word.pqr: no PQR: an atom has no place or charge' -- hapgrid dock word.pqr "$ligand" -o out -q
+refused 'word.pqr: no PQR: an atom has no place or charge' word.pqr "$ligand"
 
 # Files of strangers: one at which Open Babel crashes, and names of what never ends.
 cp "$HAPGRID_SOURCE/tests/cli/molecule/inputs/crash-v3000.sdf" crash.sdf
-refuses 'dock: crash.sdf: obabel: ended by SIGSEGV' -- hapgrid dock "$host" crash.sdf -o out -q
+refused 'crash.sdf: obabel: ended by SIGSEGV' "$host" crash.sdf
 mkfifo pipe.mol2 usual/pipe
 sed 's|file=host.C.map|file=pipe|' usual/host.maps.fld >usual/pipe.fld
 sed 's|file=host.C.map|file=/dev/zero|' usual/host.maps.fld >usual/zero.fld
 for name in pipe.mol2 /dev/zero; do
-  refuses "dock: $name: is no regular file" -- timeout 20 hapgrid dock "$name" "$ligand" -o out -q
-  refuses "dock: $name: is no regular file" -- timeout 20 hapgrid dock "$host" "$name" -o out -q
+  refused "$name: is no regular file" "$name" "$ligand"
+  refused "$name: is no regular file" "$host" "$name"
 done
-refuses 'dock: usual/pipe: is no regular file' -- timeout 20 hapgrid dock usual/pipe.fld usual/ligand.pdbqt -o out -q
-refuses "dock: usual/zero.fld: names the file '/dev/zero': only files beside it are used, with plain names" -- \
-  timeout 20 hapgrid dock usual/zero.fld usual/ligand.pdbqt -o out -q
+refused 'usual/pipe: is no regular file' usual/pipe.fld usual/ligand.pdbqt
+refused "usual/zero.fld: names the file '/dev/zero': only files beside it are used, with plain names" \
+  usual/zero.fld usual/ligand.pdbqt
 sed '/^ENDROOT/a BRANCH' usual/ligand.pdbqt >bare.pdbqt
-refuses 'dock: .*' -- hapgrid dock "$host" bare.pdbqt -o out --torsions 2 -q
+refused '.*' "$host" bare.pdbqt --torsions 2
 ! grep -q Traceback "$work/got/err" || fail "$(cat "$work/got/err")"
 gzip -c "$host" >host.mol2.gz
 hapgrid dock host.mol2.gz "$ligand" -o packed --centre 0,0,3 --size 0.5,0.5,0.5 --atoms --until definition -q
 cmp usual/host.pdbqt packed/host.pdbqt
 
-refuses 'dock: gone.mol2: No such file or directory' -- hapgrid dock gone.mol2 "$ligand" -o out -q
+refused 'gone.mol2: No such file or directory' gone.mol2 "$ligand"
 echo nothing >nothing.pdbqt
-refuses 'dock: nothing.pdbqt: no atoms are found in it: .*' -- hapgrid dock nothing.pdbqt "$ligand" -o out -q
+refused 'nothing.pdbqt: no atoms are found in it: .*' nothing.pdbqt "$ligand"
 obabel -:NC=O -O flat.mol2 >/dev/null 2>&1
-refuses 'dock: flat.mol2: all atoms lie at one place: .*' -- hapgrid dock "$host" flat.mol2 -o out -q
-refuses 'dock: the box has 1,030,301 points, at most 200,000 are possible: .*' -- \
-  hapgrid dock "$host" "$ligand" -o out --size 50,50,50 --atoms -q
+refused 'flat.mol2: all atoms lie at one place: .*' "$host" flat.mol2
+refused 'the box has 1,030,301 points, at most 200,000 are possible: .*' "$host" "$ligand" --size 50,50,50 --atoms
 grep -v '^ATOM.*  [234]  ' small/ligand.pdbqt | sed '/^ATOM      5/d' >one.pdbqt
-refuses 'dock: one.pdbqt: one atom cannot turn: .*' -- hapgrid dock "$host" one.pdbqt -o out -q
+refused 'one.pdbqt: one atom cannot turn: .*' "$host" one.pdbqt
 for ((n = 0; n < 201; ++n)); do grep '^ATOM      1' small/ligand.pdbqt; done >many.pdbqt
-refuses 'dock: many.pdbqt: 201 atoms, at most 200 are possible' -- hapgrid dock "$host" many.pdbqt -o out -q
+refused 'many.pdbqt: 201 atoms, at most 200 are possible' "$host" many.pdbqt
 sed 's/ OA$/ Xx/' small/ligand.pdbqt >strange.pdbqt
-refuses 'dock: strange.pdbqt: AutoDock has no parameters of the type Xx: .*' -- hapgrid dock "$host" strange.pdbqt -o out -q
+refused 'strange.pdbqt: AutoDock has no parameters of the type Xx: .*' "$host" strange.pdbqt
 { sed '/ATOM>/q' "$host"; seq 200000 | sed 's/$/ C 0 0 0 C.3 1 UNL1 0.1/'; } >huge.mol2
-refuses 'dock: huge.mol2: it has more than 20,000 atoms' -- hapgrid dock huge.mol2 "$ligand" -o out -q
+refused 'huge.mol2: it has more than 20,000 atoms' huge.mol2 "$ligand"
 seq 200000 | sed 's/.*/ATOM & CA ALA 1 0 0 0 0.1 1.9/' >huge.pqr
-refuses 'dock: huge.pqr: it has more than 20,000 atoms' -- timeout 60 hapgrid dock huge.pqr "$ligand" -o out -q
-refuses 'dock: box and ligand need maps 0\.5[0-9] angstrom apart, .*' -- hapgrid dock "$host" "$ligand" -o out --size 60,4,4 -q
+refused 'huge.pqr: it has more than 20,000 atoms' huge.pqr "$ligand"
+refused 'box and ligand need maps 0\.5[0-9] angstrom apart, .*' "$host" "$ligand" --size 60,4,4
 hapgrid dock "$host" "$ligand" -o wide --size 36,4,4 --spacing 2 --until definition 2>said
 grep -q ' maps .*, 0\.3[0-9] angstrom apart$' said || fail "$(cat said)"
 refuses 'dock: the ligand overlaps with the host everywhere in the box: .*' -- \

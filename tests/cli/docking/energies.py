@@ -266,12 +266,8 @@ def wall(folder):
 
 def main():
     folder, where, *there = sys.argv[1:]
-    if where == "wall":
-        wall(folder)
-        return
-    if where == "within":
-        within(folder)
-        return
+    if where in ("wall", "within"):
+        return globals()[where](folder)
     made = there[0] if there else folder
     ours, poses = [], []
     if where == "atoms":

@@ -7,19 +7,10 @@ export HAPGRID_MODEL_PATH=$HAPGRID_BUILD/tests/plugins
 # Seeds at every third point along each axis: the others are reached in one generation, from up to
 # eight seeds each. The model's states do not compress, so the shards are as large as they get.
 python3 - >lattice.toml <<'END'
-print("""[model]
-plugin = "toy"
-parameters = {state_size = 100, amplitude = 0}
-[grid]
-origin = [0, 0, 0]
-spacing = 1
-counts = [48, 48, 48]
-[seeds]
-points = [""")
-for k in range(1, 48, 3):
-    for j in range(1, 48, 3):
-        print("".join("[%d,%d,%d]," % (i, j, k) for i in range(1, 48, 3)))
-print("]")
+third = range(1, 48, 3)
+print("""model = {plugin = "toy", parameters = {state_size = 100, amplitude = 0}}
+grid = {origin = [0, 0, 0], spacing = 1, counts = [48, 48, 48]}
+seeds.points =""", [[i, j, k] for k in third for j in third for i in third])
 END
 seed lattice.toml -o grid
 whole=$((48 ** 3 * (8 * 100 + 4 + 4 + 1 + 26) / 1000000)) # MB of records

@@ -96,19 +96,6 @@ for _ in {1..100}; do cat path; done >long
 grep -q '^play: 36200 ticks, ' err || fail "$(cat err)"
 same "last line" "~play: frames written [1-9][0-9]*, dropped [0-9]+; the viewer closed its end before the last one" "$(tail -n 1 err)"
 
-# A signal: the frames so far are a whole file.
-# A shell starts background commands with SIGINT ignored; env undoes that.
-for i in {1..500}; do echo "0.0$i 0 0"; done >slow
-env --default-signal=INT,HUP,TERM play grid --device path:slow --rate 100 --frames signal.frames 2>late-err &
-pid=$!
-wait_for 60 "loop" grep -q ' Hz; ' late-err
-sleep 0.3
-kill -TERM $pid
-code=0
-wait $pid || code=$?
-same "exit code" 143 "$code"
-expect 0 '~model .*' '' -- view signal.frames
-
 # Refused.
 help='(see play --help)'
 expect 2 '' "play: --log and --frames cannot both be - $help" \

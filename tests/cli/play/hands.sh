@@ -34,6 +34,7 @@ for k, said in enumerate(sessions):
     for name, counted in (("stored", stored), ("given", given), ("returned", highest)):
         assert abs(said[f"{name}_mJ"] - counted) < 1e-9 * max(1, abs(counted)), (k, name, said, counted)
 returned = [s["returned_mJ"] for s in sessions]
+assert len({s["given_mJ"] for s in sessions}) == 6, sessions
 found = re.search(r"of 6 sessions: mean (\S+) mJ, worst (\S+) mJ in session (\d)\n", open("summary").read())
 assert abs(float(found[1]) - sum(returned) / 6) < 0.01 * max(returned) and float(found[2]) > 0, found
 assert int(found[3]) == returned.index(max(returned)), found

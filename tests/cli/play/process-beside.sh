@@ -31,14 +31,8 @@ class Flip:
 hapgrid.serve(Flip)
 PYTHON
 cat >flip.toml <<'TOML'
-[model]
-process = ["python3", "flip.py"]
-name = "flip"
-[grid]
-origin = [-0.95, 0, 0]
-spacing = 0.1
-counts = [20, 1, 1]
-[search]
+model = {process = ["python3", "flip.py"], name = "flip"}
+grid = {origin = [-0.95, 0, 0], spacing = 0.1, counts = [20, 1, 1]}
 TOML
 seed flip.toml --allow-process -o seeds
 expand --complete seeds --allow-process flip.toml -o grid

@@ -50,18 +50,12 @@ mkdir bin
 cp "$HAPGRID_BUILD/bin/play" bin/
 refuses "play: model hung-ball: no plug-in hung-ball.so in: $PWD/models .*" -- \
   bin/play grid --device path:path
-puppets=$HAPGRID_BUILD/tests/plugins
 cat >puppet.toml <<'TOML'
-[model]
-plugin = "puppet"
-[grid]
-origin = [0, 0, 0]
-spacing = 0.5
-counts = [2, 2, 2]
-[search]
-max_levels = 1
+model.plugin = "puppet"
+grid = {origin = [0, 0, 0], spacing = 0.5, counts = [2, 2, 2]}
+search.max_levels = 1
 TOML
-export HAPGRID_MODEL_PATH=$puppets
+export HAPGRID_MODEL_PATH=$HAPGRID_BUILD/tests/plugins
 seed puppet.toml | expand --complete -o puppet.grid
 expect 1 '' "play: model puppet: has no force function, forces cannot be computed" \
   -- play puppet.grid --device path:path --log log

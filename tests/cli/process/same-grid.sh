@@ -1,5 +1,5 @@
-# A model as a process: the one in Python finds what the plug-in finds, and the grid does
-# not depend on how its processes worked.
+# A model as a process: the one in Python finds what the plug-in finds, and the grid does not depend on how its processes
+# worked. Answers in another order and processes that die are in unit/model, questions at a time in python/test_serve.py.
 source "$(dirname "$0")/../lib.sh"
 example=$HAPGRID_SOURCE/examples/hung-ball
 toml=$example/hung-ball-process.toml
@@ -41,23 +41,3 @@ for threads in 1 2; do
 done
 cmp report.1 report.2
 grep -q 'fidelity' report.1
-
-# Answers in another order, more questions at a time, and processes that die: the same bytes. tests/unit/model has more faults.
-processes=$HAPGRID_SOURCE/tests/unit/model/processes
-define() {  # WORD...: the puppet, told to do something
-  local words
-  words=$(printf ', "%s"' "$@")
-  cat <<TOML
-model = {name = "puppet", process = ["python3", "$processes/puppet.py"$words]}
-grid = {origin = [0, 0, 0], spacing = 1, counts = [4, 3, 3]}
-seeds = {points = [[0, 0, 0]]}
-TOML
-}
-define >puppet.toml
-seed puppet.toml --allow-process -o puppet.seeds
-expand --complete puppet.seeds --allow-process puppet.toml -o puppet.grid
-for told in 'reverse 1 in_flight=8' 'die 50 in_flight=8' 'short 60 in_flight=8' 'reverse 1 in_flight=1'; do
-  define $told >told.toml
-  expand --complete puppet.seeds --allow-process told.toml -j 2 -o told.grid
-  cmp puppet.grid told.grid || fail "$told"
-done

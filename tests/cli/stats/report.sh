@@ -47,13 +47,10 @@ for key in records frontier generation; do
 done
 
 # An incomplete grid: 8 corners that were never expanded, each with 7 directions into the box.
-expect 0 56 '' -- stats seeds --get conversions_left
-expect 0 8 '' -- stats seeds --get frontier
-expect 0 0 '' -- stats seeds --get generation
-expect 0 0 '' -- stats seeds --get conversions
-expect 0 1.0 '' -- stats seeds --get average_levels
-expect 0 0.3333333333333333 '' -- stats seeds --get share_reached
-expect 0 null '' -- stats seeds --get one_way_share
+for pair in conversions_left=56 frontier=8 generation=0 conversions=0 average_levels=1.0 share_reached=0.3333333333333333 \
+  one_way_share=null; do
+  expect 0 "${pair#*=}" '' -- stats seeds --get "${pair%%=*}"
+done
 
 # Cost files of the tools, and files that are none.
 expand seeds --part 1/2 --cost r1 -o q1

@@ -2,7 +2,6 @@
 
 session.py text FILE: prints a session, a line for each tick.
 session.py make FILE: writes a small session whose numbers are known.
-session.py one FILE: writes a session of one tick, without a force.
 session.py bad FILE: feeds damaged and hostile relatives of a session to stats.
 """
 
@@ -128,19 +127,6 @@ def make(name):
         file.write(seal([{"header": header}, {"ticks": ticks}]))
 
 
-def one(name):
-    """A tick whose force was not computed."""
-    make(name)
-    with open(name, "rb") as file:
-        messages = decode(file.read())
-    nan = float("nan")
-    ticks = {"first": "7", "skipped": ["0"], "flags": [1], "lateness": [0], "compute": [1]}
-    ticks.update(levels=[0] * 8, hip=code([(0, 0, 0)]), rawForce=code([(nan, nan, nan)]))
-    ticks["force"] = code_force([(0, 0, 0)], [(nan, nan, nan)])
-    with open(name, "wb") as file:
-        file.write(seal([messages[0], {"ticks": ticks}]))
-
-
 failures = []
 
 
@@ -252,4 +238,4 @@ def bad(name):
         sys.exit("\n".join(failures))
 
 
-{"text": text, "make": make, "one": one, "bad": bad}[sys.argv[1]](sys.argv[2])
+{"text": text, "make": make, "bad": bad}[sys.argv[1]](sys.argv[2])

@@ -1,109 +1,38 @@
 """Faults in the links of a grid."""
 
-from planting import EDGE, MIDDLE, VERTEX, X, direction, fault, move, named, part
+from planting import EDGE, LEFT, MIDDLE, VERTEX, X, fault, levels_exchanged, link, move, named, part, points_exchanged, unsettle
 
 part("Links")
 
 for way, q in (("a face", X), ("an edge", EDGE), ("a vertex", VERTEX)):
-    @fault("a link across %s off by one" % way, "fidelity", "generations")
-    def _(g, q=q):
-        row = g.at(MIDDLE)
-        move(row, q)
-        return named(g, row, q)
-
-    @fault("a link across %s to a level that is not there" % way, "links", "continuous")
-    def _(g, q=q):
-        row = g.at(MIDDLE)
-        row["links"][q] = 2
-        return named(g, row, q)
-
-    @fault("a link across %s lost: not settled" % way, "links", "continuous")
-    def _(g, q=q):
-        row = g.at(MIDDLE)
-        row["links"][q] = 254
-        return named(g, row, q)
+    fault("a link across %s off by one" % way, "fidelity", "generations")(lambda g, q=q: move(g, g.at(MIDDLE), q))
+    fault("a link across %s to a level that is not there" % way, "links", "continuous")(lambda g, q=q: link(g, 2, q))
+    fault("a link across %s lost: not settled" % way, "links", "continuous")(lambda g, q=q: link(g, 254, q))
+fault("a link off by one where the branch is another one", "fidelity")(lambda g: move(g, g.at(MIDDLE, 1)))
+fault("a link off by one, there and back", "fidelity", "generations")(
+    lambda g: (move(g, g.target(g.at(MIDDLE), X), LEFT), move(g, g.at(MIDDLE)))[1])
+fault("a link to the level limit", "links", "continuous")(lambda g: link(g, 8))
+fault("a link to level 253", "links", "continuous")(lambda g: link(g, 253))
+fault("a link marked as leaving the box, inside of it", "links", "continuous")(lambda g: link(g, 255))
+fault("a link to outside of the box", "links")(lambda g: link(g, 0, LEFT, 0))
+fault("a link to outside of the box, not settled", "links")(lambda g: link(g, 254, LEFT, 0))
 
 
-@fault("a link off by one where the branch is another one", "fidelity")
-def _(g):
-    row = g.at(MIDDLE, 1)
-    move(row, X)
-    return named(g, row, X)
+def exchanged(name, point, *rows):
+    @fault(name, *rows)
+    def _(g):
+        links = g.at(point)["links"]
+        links[X], links[LEFT] = links[LEFT], links[X]
 
 
-@fault("a link off by one, there and back", "fidelity", "generations")
-def _(g):
-    row = g.at(MIDDLE)
-    move(g.target(row, X), direction((-1, 0, 0)))
-    move(row, X)
-    return named(g, row, X)
-
-
-@fault("a link to the level limit", "links", "continuous")
-def _(g):
-    g.at(MIDDLE)["links"][X] = 8
-
-
-@fault("a link to level 253", "links", "continuous")
-def _(g):
-    g.at(MIDDLE)["links"][X] = 253
-
-
-@fault("a link marked as leaving the box, inside of it", "links", "continuous")
-def _(g):
-    row = g.at(MIDDLE)
-    row["links"][X] = 255
-    return named(g, row, X)
-
-
-@fault("a link to outside of the box", "links")
-def _(g):
-    row, q = g.at(0), direction((-1, 0, 0))
-    row["links"][q] = 0
-    return named(g, row, q)
-
-
-@fault("a link to outside of the box, not settled", "links")
-def _(g):
-    g.at(0)["links"][direction((-1, 0, 0))] = 254
-
-
-@fault("two links of a record exchanged", "fidelity", "generations")
-def _(g):
-    links = g.at(6)["links"]
-    q = direction((-1, 0, 0))
-    assert links[X] != links[q]
-    links[X], links[q] = links[q], links[X]
-
-
-@fault("a link inside exchanged with one that leaves the box", "links", "continuous")
-def _(g):
-    links = g.at(0)["links"]
-    q = direction((-1, 0, 0))
-    links[X], links[q] = links[q], links[X]
-
-
-@fault("the links of two levels exchanged", "fidelity", "generations")
-def _(g):
-    a, b = g.at(MIDDLE), g.at(MIDDLE, 1)
-    a["links"], b["links"] = b["links"], a["links"]
-
-
-@fault("the links of two points exchanged", "fidelity", "generations")
-def _(g):
-    a, b = g.at(MIDDLE), g.at(MIDDLE + 1)
-    a["links"], b["links"] = b["links"], a["links"]
-
-
-@fault("a record's links shifted by one direction", "links", "continuous")
-def _(g):
-    links = g.at(MIDDLE)["links"]
-    links.append(links.pop(0))
-
-
-@fault("a record's links in the order of the opposite directions", "links", "continuous")
-def _(g):
-    g.at(MIDDLE)["links"].reverse()
+exchanged("two links of a record exchanged", 6, "fidelity", "generations")
+exchanged("a link inside exchanged with one that leaves the box", 0, "links", "continuous")
+fault("the links of two levels exchanged", "fidelity", "generations")(levels_exchanged("links"))
+fault("the links of two points exchanged", "fidelity", "generations")(points_exchanged("links"))
+fault("a record's links shifted by one direction", "links", "continuous")(
+    lambda g: g.at(MIDDLE)["links"].append(g.at(MIDDLE)["links"].pop(0)))
+fault("a record's links in the order of the opposite directions", "links", "continuous")(
+    lambda g: g.at(MIDDLE)["links"].reverse())
 
 
 @fault("all links to level 0", "reachable", "fidelity")
@@ -126,13 +55,5 @@ def _(g):
             row["links"] = [min(v, 0) if v < 254 else v for v in row["links"]]
 
 
-@fault("all links of a record lost", "links", "continuous")
-def _(g):
-    row = g.at(MIDDLE)
-    row["links"] = [254 if v < 254 else v for v in row["links"]]
-
-
-@fault("two seeds' links lost", "links", "continuous")
-def _(g):
-    for p in (0, 13):
-        g.at(p)["links"] = [254 if v < 254 else v for v in g.at(p)["links"]]
+fault("all links of a record lost", "links", "continuous")(lambda g: unsettle(g.at(MIDDLE)))
+fault("two seeds' links lost", "links", "continuous")(lambda g: (unsettle(g.at(0)), unsettle(g.at(13)))[1])

@@ -5,31 +5,21 @@ from planting import Grid, byte_fault, message_fault, part, read, shard
 part("Sections, chunks, digests: not sealed again where nothing else is said")
 
 
-@byte_fault("half of a grid alone, sealed", "coverage", "links", "generations", "continuous")
-def _(data):
-    return Grid(data).part(lambda row: row["point"] < 42).seal()
+def frames(name, refused, order):
+    """Zstd frames: the header's, the chunk's, the footer's; a text is that chunk of another grid."""
+    def plant(data):
+        parts = shard.frames(data)
+        return shard.joined([shard.frames(read(i))[1] if isinstance(i, str) else parts[i] for i in order])
+    byte_fault(name, refused=refused)(plant)
 
 
-@byte_fault("two halves, one after the other, sealed", refused="holds 2 sections where one grid is needed")
-def _(data):
-    return b"".join(Grid(data).part(lambda row: (row["point"] < 42) == low).seal() for low in (True, False))
-
-
-@byte_fault("requests instead of the grid", refused="holds requests where a grid is needed")
-def _(data):
-    return read("requests")
-
-
-@byte_fault("the chunk lost", refused="truncated: the footer's section is larger than what stands before it")
-def _(data):
-    parts = shard.frames(data)
-    return shard.joined([parts[0], parts[2]])
-
-
-@byte_fault("the chunk of another grid", refused="damaged: a zstd frame is cut")
-def _(data):
-    parts = shard.frames(data)
-    return shard.joined([parts[0], shard.frames(read("stored"))[1], parts[2]])
+byte_fault("half of a grid alone, sealed", "coverage", "links", "generations", "continuous")(
+    lambda data: Grid(data).part(lambda row: row["point"] < 42).seal())
+byte_fault("two halves, one after the other, sealed", refused="holds 2 sections where one grid is needed")(
+    lambda data: b"".join(Grid(data).part(lambda row: (row["point"] < 42) == low).seal() for low in (True, False)))
+byte_fault("requests instead of the grid", refused="holds requests where a grid is needed")(lambda data: read("requests"))
+frames("the chunk lost", "truncated: the footer's section is larger than what stands before it", [0, 2])
+frames("the chunk of another grid", "damaged: a zstd frame is cut", [0, "stored", 2])
 
 
 @byte_fault("the header of another grid", refused="damaged: the digest in the footer does not fit the content")
@@ -40,20 +30,10 @@ def _(data):
     return shard.seal([header, *messages[1:]], edit_last=lambda f: f.update(old))
 
 
-@byte_fault("chunk and footer exchanged", refused="damaged: no footer where there must be one")
-def _(data):
-    parts = shard.frames(data)
-    return shard.joined([parts[0], parts[2], parts[1]])
-
-
-@byte_fault("the footer lost", refused="truncated: a shard ends with an index")
-def _(data):
-    return b"".join(shard.frames(data)[:2])
-
-
-@byte_fault("the last byte lost", refused="truncated: a shard ends with an index")
-def _(data):
-    return data[:-1]
+frames("chunk and footer exchanged", "damaged: no footer where there must be one", [0, 2, 1])
+CUT = "truncated: a shard ends with an index"
+byte_fault("the footer lost", refused=CUT)(lambda data: b"".join(shard.frames(data)[:2]))
+byte_fault("the last byte lost", refused=CUT)(lambda data: data[:-1])
 
 
 @byte_fault("a bit of the chunk flipped", refused="damaged: Data corruption detected")
@@ -64,12 +44,10 @@ def _(data):
 
 
 def chunks(name, order, *rows, refused=None, sealed=True):
-    @byte_fault(name, *rows, refused=refused, grid="chunks")
-    def _(data):
-        if sealed:
-            return shard.rearranged(data, order)
+    def plant(data):
         parts = shard.frames(data)
-        return shard.joined([parts[0], *(parts[1 + c] for c in order), parts[-1]])
+        return shard.rearranged(data, order) if sealed else shard.joined([parts[0], *(parts[1 + c] for c in order), parts[-1]])
+    byte_fault(name, *rows, refused=refused, grid="chunks")(plant)
 
 
 chunks("a chunk of three lost", [0, 2], refused="truncated: the footer's section is larger than what stands before it", sealed=False)

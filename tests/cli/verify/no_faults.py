@@ -1,23 +1,17 @@
 """Changes that are no faults: verify has to find these grids fine."""
 
-from planting import MIDDLE, TOLERANCE, fault, part
+from planting import TOLERANCE, add, each, fault, part
 
 part("No faults: other grids that are as good, or what only people read")
 
 
-@fault("a state moved by half a tolerance")
-def _(g):
-    g.at(MIDDLE)["state"][0] += 0.5 * TOLERANCE
+def header(name, **changes):
+    fault(name)(lambda g: g.header.update(changes))
 
 
-@fault("a seed that says it is none, beside another seed")
-def _(g):
-    g.at(0)["generation"] = 1
-
-
-@fault("a larger level limit")
-def _(g):
-    g.header["maxLevels"] = 254
+fault("a state moved by half a tolerance")(add("state", 0.5 * TOLERANCE))
+fault("a seed that says it is none, beside another seed")(lambda g: g.at(0).update(generation=1))
+header("a larger level limit", maxLevels=254)
 
 
 @fault("another weight, of a force that is not stored")
@@ -27,24 +21,8 @@ def _(g):
             p["value"] = {"number": 1.1}
 
 
-@fault("another unit of length, in words")
-def _(g):
-    g.header["lengthUnit"] = "furlongs"
-
-
-@fault("another radius of the HIP's ball, for pictures", grid="ball")
-def _(g):
-    g.header["hipRadius"] = 0.5
-
-
-@fault("a force scaled by 1 + 1e-7", grid="stored")
-def _(g):
-    for row in g.rows:
-        row["force"] = [(1 + 1e-7) * f for f in row["force"]]
-
-
-@fault("a force and an energy that are 0 everywhere", grid="fine", arguments="--recompute none")
-def _(g):
-    for row in g.rows:
-        row["force"] = [0.0, 0.0, 0.0]
-        row["energy"] = [0.0]
+header("another unit of length, in words", lengthUnit="furlongs")
+header("another radius of the HIP's ball, for pictures", hipRadius=0.5)
+fault("a force scaled by 1 + 1e-7", grid="stored")(each("force", lambda v: (1 + 1e-7) * v))
+fault("a force and an energy that are 0 everywhere", grid="fine", arguments="--recompute none")(
+    lambda g: (each("force", lambda v: 0.0)(g), each("energy", lambda v: 0.0)(g))[1])

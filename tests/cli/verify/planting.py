@@ -140,16 +140,55 @@ def named(g, row, q=None):
     return text if q is None else text + " direction %d " % q
 
 
-def direction(d):
-    return shard.STEPS.index(d)
-
-
-def move(row, q):
-    """The link to the other one of two levels."""
-    row["links"][q] = 1 - row["links"][q]
-
-
-X, EDGE, VERTEX = direction((1, 0, 0)), direction((1, 1, 0)), direction((1, 1, 1))
+X, LEFT, EDGE, VERTEX = map(shard.STEPS.index, ((1, 0, 0), (-1, 0, 0), (1, 1, 0), (1, 1, 1)))
 MIDDLE = 5  # a point with two levels: the ball pushed away a little, and a lot
 TOLERANCE = 1e-6
 
+
+# Changes of a plain grid. Those that answer a place say which one was changed.
+
+
+def put(g, row, **changes):
+    row.update(changes)
+    return named(g, row)
+
+
+def link(g, level, q=X, point=MIDDLE):
+    g.at(point)["links"][q] = level
+    return named(g, g.at(point), q)
+
+
+def move(g, row, q=X):
+    """The link to the other one of two levels."""
+    row["links"][q] = 1 - row["links"][q]
+    return named(g, row, q)
+
+
+def unsettle(row):
+    row["links"] = [254 if v < 254 else v for v in row["links"]]
+
+
+def exchange(a, b, name):
+    a[name], b[name] = b[name], a[name]
+
+
+def levels_exchanged(name, point=MIDDLE):
+    return lambda g: exchange(g.at(point), g.at(point, 1), name)
+
+
+def points_exchanged(name):
+    return lambda g: exchange(g.at(MIDDLE), g.at(MIDDLE + 1), name)
+
+
+def each(name, change):
+    """Of all records."""
+    def plant(g):
+        for row in g.rows:
+            row[name] = [change(v) for v in row[name]]
+    return plant
+
+
+def add(name, much, point=MIDDLE, level=0):
+    def plant(g):
+        g.at(point, level)[name][0] += much
+    return plant

@@ -71,43 +71,16 @@ grep -qE '^  shortest stable reach 0\.[0-9]+ m: of a device whose reach fills th
 verify ball.grid --recompute none -j 1 --format json >one 2>err
 verify ball.grid --recompute none -j 3 --format json 2>err | cmp - one
 
-# Incomplete: an answer, not a failure.
-seeds_table='hung-ball: 4 x 3 x 2 points, 8 records, generation 0
-check        counted                  offenders  verdict
+# Incomplete: an answer, not a failure. What is found first is listed.
+expect 3 '~.*
 complete           8 records                  8  broken
 coverage          24 points                  16  broken
-links            208 directions               0  ok
-finite             8 records                  0  ok
-distinct           0 pairs of levels          0  ok
-reachable          8 records                  0  ok
-generations        8 records                  0  ok
-fidelity           0 conversions              0  ok
-stable             0 records                  0  ok
-snaps              0 one-way links            0  note
-continuous         0 cells                    0  ok
-gradient           0 forces                   0  note
-steep              8 records                  0  note
-passive            0 links                    0  not proved'
-verify seeds -v >all 2>err && fail "exit code 0"
-same "all of it" "$seeds_table
-
-complete: records that no expand has looked at (the frontier)
-  point 0 (0, 0, 0) level 0
-  point 3 (3, 0, 0) level 0
-  point 8 (0, 2, 0) level 0
-  point 11 (3, 2, 0) level 0
-  point 12 (0, 0, 1) level 0
+.*
+complete: records that no expand has looked at \(the frontier\)
+  point 0 \(0, 0, 0\) level 0
+.*
   and 3 more
-
-coverage: points without a level
-  point 1 (1, 0, 0)
-  point 2 (2, 0, 0)
-  point 4 (0, 1, 0)
-  point 5 (1, 1, 0)
-  point 6 (2, 1, 0)
-  and 11 more" "$(sed /^snaps:/,\$d all)"
-seeds_verdict='verify: broken: complete (8 of 8), coverage (16 of 24); not proved: passive'
-same "verdict" "$seeds_verdict" "$(cat err)"
+.*' 'verify: broken: complete (8 of 8), coverage (16 of 24); not proved: passive' -- verify seeds -v
 
 # A model that has changed since: fidelity finds it, and nothing else can. It fails on the way to
 # the last plane of x, 28 times from the plane before and 28 - 6 within; of the others with d3 > 0

@@ -82,13 +82,17 @@ def counts(lines):
     return [int(n) for n in match.groups()]
 
 
-def expected(name, order):
-    """The bytes of each frame in the file `name`."""
+def decoded(name, **options):
+    """The scene of a file, and its frames."""
     with open(name, "rb") as file:
         text = subprocess.run(["capnp", "convert", "binary:json", "--short", SCHEMA, "Message"],
                               stdin=file, capture_output=True, check=True, text=True).stdout
-    # As floats also where the tool writes no point: -0 is no int.
-    _, *frames = (json.loads(line, parse_int=float) for line in text.splitlines())
+    return [json.loads(line, **options) for line in text.splitlines()]
+
+
+def expected(name, order):
+    """The bytes of each frame in the file `name`."""
+    _, *frames = decoded(name, parse_int=float)  # also where the tool writes no point: -0 is no int
     result = []
     for frame in frames:
         f = frame["frame"]
@@ -140,10 +144,7 @@ def rude():
     vector = lambda x: {"x": x, "y": 0, "z": 0}
     with open("large.frames", "wb") as file:
         convert = subprocess.Popen(["capnp", "convert", "json:binary", SCHEMA, "Message"], stdin=subprocess.PIPE, stdout=file)
-        with open(FRAMES, "rb") as small:
-            text = subprocess.run(["capnp", "convert", "binary:json", "--short", SCHEMA, "Message"],
-                                  stdin=small, capture_output=True, check=True, text=True).stdout
-        scene, frame = [json.loads(line) for line in text.splitlines()[:2]]
+        scene, frame = decoded(FRAMES)[:2]
         balls = 20000
         scene["scene"]["spheres"] = scene["scene"]["spheres"][:1] * balls
         frame["frame"]["centres"] = [0] * 3 * balls

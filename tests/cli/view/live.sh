@@ -14,27 +14,23 @@ expect 2 '' "view: --png excludes --web $see" -- view frames --web --png x
 echo '0 0 0' >path
 play grid --device path:path --frames frames 2>/dev/null
 # A port that another one has, and an address that others reach.
-view frames --web >address &
-first=$!
-wait_for 60 "address" grep -q http address
-port=$(sed -E 's|.*:([0-9]+)/.*|\1|' address)
+served() { # OPTION
+  rm -f address
+  view frames "$1" >address 2>err &
+  first=$!
+  wait_for 60 "address" grep -q http address
+  port=$(sed -E 's|.*:([0-9]+)/.*|\1|' address)
+}
+over() { kill $first; wait $first || :; }
+served --web
 refuses "view: cannot listen on port $port of 127.0.0.1: is another program there\?" -- view frames --web="$port"
-kill $first
-wait $first || :
-rm address
-SSH_CONNECTION='10.0.0.2 5000 10.0.0.1 22' view frames --web >address 2>err &
-first=$!
+over
+SSH_CONNECTION='10.0.0.2 5000 10.0.0.1 22' served --web
 wait_for 60 "how the page comes over ssh" grep -q 'ssh -L' err
-port=$(sed -E 's|.*:([0-9]+)/.*|\1|' address)
 same 'the tunnel' "~view: over ssh: on your own machine, ssh -L $port:127\.0\.0\.1:$port and .*" "$(cat err)"
-kill $first
-wait $first || :
-rm address
-view frames --web=0.0.0.0:0 >address 2>err &
-first=$!
-wait_for 60 "address" grep -q http address
-kill $first
-wait $first || :
+over
+served --web=0.0.0.0:0
+over
 same 'the address' '~http://.*:[0-9]+/[0-9a-f]{32}/' "$(cat address)"
 same 'the warning' "~view: whoever reaches 0\.0\.0\.0 .* can watch; nothing on the way is encrypted" "$(cat err)"
 

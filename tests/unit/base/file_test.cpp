@@ -9,6 +9,7 @@
 
 #include "libcore/base/parallel.hpp"
 #include "tests/unit/catch.hpp"
+#include "tests/unit/temporary_directory.hpp"
 
 using namespace hapgrid;
 namespace fs = std::filesystem;
@@ -37,28 +38,6 @@ std::string read(const InputFile& file, std::uint64_t offset, std::size_t size) 
 }
 
 }  // namespace
-
-TEST_CASE("an output file appears with commit(), and not before") {
-  const TemporaryDirectory dir;
-  const std::string name = dir.file("out");
-  {
-    OutputFile out(name);
-    out.write("half");
-    REQUIRE(!fs::exists(name));
-  }
-  REQUIRE(entries(dir.path()) == 0);
-  put(name, "old");
-  {
-    OutputFile out(name);
-    REQUIRE(out.name() == name);
-    out.write("new ");
-    out.write(std::string(300000, 'x'));
-    REQUIRE(content(name) == "old");
-    out.commit();
-    REQUIRE(content(name) == "new " + std::string(300000, 'x'));
-  }
-  REQUIRE(entries(dir.path()) == 1);
-}
 
 TEST_CASE("what a signal's handler removes: the files that are not finished, and no others") {
   const TemporaryDirectory dir;

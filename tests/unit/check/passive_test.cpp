@@ -3,12 +3,29 @@
 #include "libcore/check/invariants.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
-#include "tests/unit/hung_ball/grid.hpp"
+#include "tests/unit/hung_ball/reference.hpp"
+#include "tests/unit/search/shards.hpp"
+#include "tests/unit/temporary_directory.hpp"
 
 using namespace hapgrid;
 using tiny::figure;
 
 namespace {
+
+/// A grid of the hung ball, by the search itself.
+Grid ball_grid(const Box& box) {
+  Definition definition;
+  definition.model = "hung-ball";
+  definition.box = box;
+  const TemporaryDirectory dir;
+  const Plugin plugin("hung-ball", {HAPGRID_BUILD_DIR "/models"});
+  const auto model = plugin.create({});
+  const GridSpec spec = spec_of(definition, *model);
+  write_shard(dir.file("seeds"), {Content::kGrid, 0, spec},
+              [&](SectionWriter& out) { write_seeds(definition, spec, *model, out); });
+  complete_shard(dir.file("seeds"), dir.file("grid"), 1, plugin);
+  return load_grid(dir.file("grid"));
+}
 
 const Box kBallBox{{-0.975, -0.475, -0.475}, 0.05, {40, 20, 20}};
 // What the ball drops by where it is torn off on the line y = z = 0: HIP, ball and hinge are in
@@ -30,7 +47,7 @@ Check passive(const Grid& grid, const RecordFields& fields) {
 }  // namespace
 
 TEST_CASE("the hung ball's snaps lead down, by what it drops by; snaps that lead up are found") {
-  const Grid line = hung_ball::grid({{-0.9, 0, 0}, 1.8 / 1600, {1601, 1, 1}});
+  const Grid line = ball_grid({{-0.9, 0, 0}, 1.8 / 1600, {1601, 1, 1}});
   const Check check = passive(line, fields_of(line));
   CHECK(check.verdict() == "ok");
   CHECK(check.found.counted == 2 * (line.records() - 1));
@@ -52,7 +69,7 @@ TEST_CASE("the hung ball's snaps lead down, by what it drops by; snaps that lead
 TEST_CASE("no snap of the ball in its box leads up, also where a finer grid meets its cusp") {
   // The finer one has points in the plane x = 0, where the two sides of the ball meet.
   for (const Box& box : {kBallBox, Box{{-0.9875, -0.4875, -0.4875}, 0.025, {80, 40, 40}}}) {
-    const Grid grid = hung_ball::grid(box);
+    const Grid grid = ball_grid(box);
     const Check check = passive(grid, fields_of(grid));
     CHECK(check.verdict() == "ok");
     CHECK(figure(check, "largest gain") < 0.01 * kDrop);
@@ -60,7 +77,7 @@ TEST_CASE("no snap of the ball in its box leads up, also where a finer grid meet
 }
 
 TEST_CASE("a grid with exchanged links that lift the ball for nothing is not proved") {
-  const Grid grid = hung_ball::grid(kBallBox);
+  const Grid grid = ball_grid(kBallBox);
   CHECK(grid.records() == 18104);  // as seed and expand find them, examples/hung-ball
   // Where the ball is pushed highest near y = z = 0, the links to the right of the two levels are
   // exchanged: the one that hangs free is then lifted for nothing.
@@ -90,7 +107,7 @@ TEST_CASE("where the place of a snap decides, the model is asked") {
   // behind the snap. So the snap leads up where c is behind t, and down where c is before it.
   const double t = 2 * std::sqrt(hung_ball::kRadius * (1 + hung_ball::kRadius));
   const double a = 10, h = 0.05;  // newtons; the snap leads up or down by a h / 5 = 2 N h
-  const Grid line = hung_ball::grid({{-0.9, 0, 0}, h, {37, 1, 1}});
+  const Grid line = ball_grid({{-0.9, 0, 0}, h, {37, 1, 1}});
   const BranchNodes map(line);
   for (const double part : {-0.2, 0.2}) {
     const double c = t + part * h;

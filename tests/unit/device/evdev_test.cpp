@@ -3,6 +3,8 @@
 
 #include "tests/unit/catch.hpp"
 #include "tests/unit/device/place.hpp"
+#include "tests/unit/refusal.hpp"
+#include "tests/unit/temporary_directory.hpp"
 #include "tools/devices/effects.hpp"
 #include "tools/devices/stick_list.hpp"
 

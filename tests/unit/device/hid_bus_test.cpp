@@ -1,6 +1,8 @@
 #include "tools/devices/hid_bus.hpp"
 
 #include "tests/unit/catch.hpp"
+#include "tests/unit/refusal.hpp"
+#include "tests/unit/temporary_directory.hpp"
 
 using namespace hapgrid;
 

@@ -1,6 +1,7 @@
 #include "libcore/device/path.hpp"
 
 #include "tests/unit/catch.hpp"
+#include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;
 

@@ -5,6 +5,8 @@
 #include "libcore/device/process_device.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/count_allocations.hpp"
+#include "tests/unit/refusal.hpp"
+#include "tests/unit/temporary_directory.hpp"
 
 using namespace hapgrid;
 

@@ -3,6 +3,7 @@
 #include "libcore/base/file.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/device/place.hpp"
+#include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;
 using hapgrid::testing::place;

@@ -56,39 +56,6 @@ TEST_CASE("a force is in effect after the delay, and positions are rounded to th
   CHECK(late.info().unit == DeviceInfo::Unit::kMetres);
 }
 
-TEST_CASE("each session begins anew, and its number and the seed alone decide it") {
-  const Vec3 low{-0.05, 0, 0.01}, high{0.05, 0, 0.02};
-  const WanderingOptions wandering{.seed = 7};
-  const auto source = [&](std::uint64_t session, std::vector<Vec3>& places) {
-    wander(wandering, low, high, session, places);
-  };
-  const auto positions = [&](std::uint64_t sessions, double force) {
-    SimulatedOptions options;
-    options.sessions = sessions;
-    SimulatedDevice wanderer(options, source);
-    std::vector<std::vector<Vec3>> all;
-    DeviceInput input;
-    while (wanderer.read(input) == DeviceStatus::kOk) {
-      if (input.begins) {
-        CHECK(wanderer.position() == wanderer.target());
-        CHECK(wanderer.work() == 0);
-        CHECK(wanderer.session() == all.size());
-        all.emplace_back();
-      }
-      CHECK(input.hand == wanderer.target());
-      all.back().push_back(input.position);
-      REQUIRE(wanderer.send({force, 0, 0}) == DeviceStatus::kOk);
-    }
-    return all;
-  };
-  const auto three = positions(3, 0.5);
-  REQUIRE(three.size() == 3);
-  CHECK(three == positions(3, 0.5));
-  CHECK(three[0] == positions(1, 0.5)[0]);
-  CHECK(three[0] != three[1]);
-  CHECK(three[2].size() == 5000);
-}
-
 TEST_CASE("a wandering hand stays in its box, keeps its speed, and rests") {
   const Vec3 low{-1, 0, 2}, high{1, 0, 2.5};
   const WanderingOptions options{.seed = 3, .seconds = 4, .speed = 0.5, .hold = 1.25};

@@ -28,17 +28,9 @@ struct Half {
     for (PointIndex p = 0; p < box.points(); ++p)
       for (int level = has_upper(box.position(p)) ? 0 : 1; level < 2; ++level) {
         const Vec3 x = box.position(p);
-        columns.point.push_back(p);
-        columns.level.push_back(static_cast<Level>(has_upper(x) ? level : 0));
-        columns.generation.push_back(0);
-        columns.rows.push_back(level == 0 ? dot(slope, x) : -100);
-        for (int q = 0; q < kDirections; ++q) {
-          const bool stays = around.inside(p) >> q & 1;
-          const Vec3 to = stays ? box.position(static_cast<PointIndex>(p + around.offset(q))) : x;
-          const bool lower_there = level == 1 || !has_upper(to);
-          columns.links.push_back(!stays ? kLeavesBox
-                                         : static_cast<Level>(has_upper(to) && lower_there));
-        }
+        add_record(columns, around, p, static_cast<Level>(has_upper(x) ? level : 0),
+                   std::array{level == 0 ? dot(slope, x) : -100.0},
+                   [&](PointIndex to) { return has_upper(box.position(to)) && level == 1; });
       }
     return Grid(spec_for(box, 1), 1, columns);
   }

@@ -5,6 +5,7 @@
 #include "tests/unit/catch.hpp"
 #include "tests/unit/count_allocations.hpp"
 #include "tests/unit/follow/places.hpp"
+#include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::testing;

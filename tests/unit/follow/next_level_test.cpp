@@ -3,8 +3,8 @@
 #include "libcore/follow/branch_traversal.hpp"
 #include "libcore/follow/paper_traversal.hpp"
 #include "tests/unit/catch.hpp"
-#include "tests/unit/check/tiny_grid.hpp"
 #include "tests/unit/count_allocations.hpp"
+#include "tests/unit/follow/line_models.hpp"
 #include "tests/unit/follow/places.hpp"
 
 using namespace hapgrid;
@@ -19,12 +19,8 @@ Grid sheets(const Box& box, Level levels) {
   for (PointIndex p = 0; p < box.points(); ++p)
     for (Level level = 0; level < levels; ++level) {
       const Vec3 x = box.position(p);
-      columns.point.push_back(p);
-      columns.level.push_back(level);
-      columns.generation.push_back(0);
-      columns.rows.push_back(100.0 * level + x[0] + 2 * x[1]);
-      for (int q = 0; q < kDirections; ++q)
-        columns.links.push_back(around.inside(p) >> q & 1 ? level : kLeavesBox);
+      add_record(columns, around, p, level, std::array{100.0 * level + x[0] + 2 * x[1]},
+                 [&](PointIndex) { return level; });
     }
   return Grid(spec_for(box, 1), 1, columns);
 }
@@ -84,18 +80,8 @@ TEST_CASE("where there is one level nothing happens") {
 }
 
 TEST_CASE("only a branch that reaches the place can be chosen") {
-  // Level 0 is 10 + x up to 4.5, level 1 is -100, from 0 to the end.
-  const Box box{{0, 0, 0}, 1, {8, 1, 1}};
-  RecordColumns columns;
-  for (int i = 0; i < 8; ++i)
-    for (const bool upper : {true, false}) {
-      if (upper && i > 4) continue;
-      const Level left = i == 0 ? kLeavesBox : !upper && i <= 5;
-      const Level right = i == 7 ? kLeavesBox : !upper && i < 4;
-      tiny::add(columns, static_cast<PointIndex>(i), !upper && i <= 4, 0, upper ? 10.0 + i : -100,
-                left, right);
-    }
-  const Grid grid(spec_for(box, 1), 1, columns);
+  // Level 0 is 10 + x up to 4.5, level 1 is -100.
+  const Grid grid = line();
   BranchTraversal t(grid, std::make_shared<const BranchNodes>(grid));
   const double ends = 4.5;
   t.start({4.1, 0, 0});

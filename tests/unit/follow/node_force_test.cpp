@@ -228,19 +228,9 @@ TEST_CASE("ghosts are exact where forces are linear") {
   RecordColumns columns;
   for (PointIndex p = 0; p < box.points(); ++p) {
     const bool behind = ends(box.position(p));
-    for (int level = 0; level < (behind ? 1 : 2); ++level) {
-      columns.point.push_back(p);
-      columns.level.push_back(static_cast<Level>(level));
-      columns.generation.push_back(0);
-      columns.rows.push_back(0);
-      for (int q = 0; q < kDirections; ++q) {
-        const bool stays = around.inside(p) >> q & 1;
-        // Level 0 is on both sides, level 1 ends.
-        const bool upper = stays && level == 1 &&
-                           !ends(box.position(static_cast<PointIndex>(p + around.offset(q))));
-        columns.links.push_back(stays ? static_cast<Level>(upper) : kLeavesBox);
-      }
-    }
+    for (int level = 0; level < (behind ? 1 : 2); ++level)  // level 0 is on both sides, 1 ends
+      add_record(columns, around, p, static_cast<Level>(level), std::array{0.0},
+                 [&](PointIndex to) { return level == 1 && !ends(box.position(to)); });
   }
   const Grid grid(spec_for(box, 1), 1, columns);
   const BranchNodes branches(grid);

@@ -7,6 +7,9 @@
 
 namespace hapgrid::testing {
 
+inline constexpr double kInf = std::numeric_limits<double>::infinity();
+inline constexpr double kEps = std::numeric_limits<double>::epsilon();
+
 using Cell = std::array<int, 3>;
 
 inline double face(const Box& box, int axis, int c) {

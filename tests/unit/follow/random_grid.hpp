@@ -8,8 +8,25 @@
 
 #include "libcore/follow/record_fields.hpp"
 #include "libcore/grid/grid.hpp"
+#include "libcore/grid/vec3.hpp"
 
 namespace hapgrid::testing {
+
+/// Appends a record. `level_at` gives the level at the other end of each link that stays in the
+/// box.
+template <class Row, class LevelAt>
+void add_record(RecordColumns& columns, const Neighbourhood& around, PointIndex point, Level level,
+                const Row& row, LevelAt&& level_at) {
+  columns.point.push_back(point);
+  columns.level.push_back(level);
+  columns.generation.push_back(0);
+  columns.rows.insert(columns.rows.end(), std::begin(row), std::end(row));
+  for (int q = 0; q < kDirections; ++q) {
+    const bool stays = around.inside(point) >> q & 1;
+    const auto to = static_cast<PointIndex>(point + around.offset(q));
+    columns.links.push_back(stays ? static_cast<Level>(level_at(to)) : kLeavesBox);
+  }
+}
 
 /// A complete grid: each point has 1 .. `levels` levels, each with a random state in [-1, 1)^n and
 /// links to random levels that exist. Generation 0, written by round 1: no frontier.
@@ -20,21 +37,13 @@ inline RecordColumns random_columns(const Box& box, std::uint32_t n, unsigned le
   std::vector<unsigned> count(box.points());
   for (unsigned& c : count) c = 1 + static_cast<unsigned>(random() % levels);
   RecordColumns columns;
-  for (PointIndex p = 0; p < box.points(); ++p) {
-    const DirectionMask inside = around.inside(p);
+  std::vector<double> state(n);
+  for (PointIndex p = 0; p < box.points(); ++p)
     for (unsigned l = 0; l < count[p]; ++l) {
-      columns.point.push_back(p);
-      columns.level.push_back(static_cast<Level>(l));
-      columns.generation.push_back(0);
-      for (std::uint32_t i = 0; i < n; ++i)
-        columns.rows.push_back(static_cast<double>(random() >> 11) * 0x1p-52 - 1);
-      for (int q = 0; q < kDirections; ++q)
-        columns.links.push_back(
-            inside >> q & 1 ? static_cast<Level>(
-                                  random() % count[static_cast<std::size_t>(p + around.offset(q))])
-                            : kLeavesBox);
+      for (double& s : state) s = static_cast<double>(random() >> 11) * 0x1p-52 - 1;
+      add_record(columns, around, p, static_cast<Level>(l), state,
+                 [&](PointIndex to) { return random() % count[to]; });
     }
-  }
   return columns;
 }
 

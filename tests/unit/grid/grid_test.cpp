@@ -1,6 +1,7 @@
 // What a grid in memory answers, and that a header of some bytes asks for little of it.
 #include "libcore/grid/grid.hpp"
 
+#include "libcore/base/error.hpp"
 #include "tests/unit/catch.hpp"
 
 using namespace hapgrid;

@@ -3,6 +3,7 @@
 #include "tests/unit/catch.hpp"
 #include "tests/unit/follow/random_grid.hpp"
 #include "tests/unit/loop/limits.hpp"
+#include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::testing;

@@ -1,5 +1,6 @@
 #include "libcore/model/definition.hpp"
 
+#include "libcore/base/error.hpp"
 #include "tests/unit/catch.hpp"
 
 using namespace hapgrid;

@@ -2,6 +2,7 @@
 
 #include "libcore/model/plugin_model.hpp"
 #include "tests/unit/catch.hpp"
+#include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::testing;
@@ -86,7 +87,7 @@ TEST_CASE("an exception of a C++ model does not leave the plug-in") {
   double reached = 1;
   CHECK_FALSE(model->convert(&s, {0, 0, 0}, {1, 0, 0}, &reached));
   CHECK(model->error() == "a shift of 1, d_max is 0.463325");
-  CHECK_FALSE(model->convert(&s, {0, 0, 0}, {kNaN, 0, 0}, &reached));
+  CHECK_FALSE(model->convert(&s, {0, 0, 0}, {std::nan(""), 0, 0}, &reached));
   CHECK(model->error() == "a shift of nan, d_max is 0.463325");
 }
 

@@ -5,6 +5,7 @@
 
 #include "libcore/model/process_model.hpp"
 #include "tests/unit/catch.hpp"
+#include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::testing;

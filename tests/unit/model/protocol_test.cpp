@@ -2,6 +2,7 @@
 #include "libcore/model/protocol.hpp"
 
 #include "tests/unit/catch.hpp"
+#include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::testing;

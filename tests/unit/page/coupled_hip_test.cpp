@@ -2,6 +2,7 @@
 // A grid in a page is in tests/cli/view/grid-page.sh.
 #include "tools/page/coupled_hip.hpp"
 
+#include "libcore/grid/vec3.hpp"
 #include "tests/unit/catch.hpp"
 
 using namespace hapgrid;

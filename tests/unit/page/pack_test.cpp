@@ -1,8 +1,10 @@
 // A grid that is packed for a page and unpacked there is the same, but for what is not seen.
 #include "tools/page/pack.hpp"
 
+#include "libcore/base/error.hpp"
 #include "libcore/grid/grid.hpp"
 #include "tests/unit/catch.hpp"
+#include "tests/unit/follow/random_grid.hpp"
 #include "tools/page/packed_grid.hpp"
 
 using namespace hapgrid;
@@ -30,18 +32,12 @@ Grid two_branches(const GridCoordinates& counts, bool exact) {
   const Neighbourhood around(spec.box);
   for (PointIndex p = 0; p < spec.box.points(); ++p)
     for (Level level = 0; level < levels(p); ++level) {
-      columns.point.push_back(p);
-      columns.level.push_back(level);
-      columns.generation.push_back(0);
       const Vec3 x = spec.box.position(p);
       const double force = -2 * x[0] * (exact ? 1 : -1), energy = 5 + level + x[0] * x[0] / 2;
-      columns.rows.insert(columns.rows.end(), {1.0 * level, x[1], force, 0, 0, energy});
-      for (int c = 0; c < 9; ++c) columns.rows.push_back(c / 3 == 1 ? 0.25F : anywhere(random));
-      for (int q = 0; q < kDirections; ++q) {
-        const bool inside = around.inside(p) >> q & 1;
-        const bool ends = inside && levels(static_cast<PointIndex>(p + around.offset(q))) <= level;
-        columns.links.push_back(!inside ? kLeavesBox : ends ? Level{0} : level);
-      }
+      std::vector<double> row{1.0 * level, x[1], force, 0, 0, energy};
+      for (int c = 0; c < 9; ++c) row.push_back(c / 3 == 1 ? 0.25F : anywhere(random));
+      testing::add_record(columns, around, p, level, row,
+                          [&](PointIndex to) { return levels(to) <= level ? Level{0} : level; });
     }
   return Grid(spec, 1, columns);
 }

@@ -9,6 +9,7 @@
 #include "tests/unit/catch.hpp"
 #include "tests/unit/count_allocations.hpp"
 #include "tests/unit/scene/scenes.hpp"
+#include "tests/unit/temporary_directory.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::testing;
@@ -130,25 +131,6 @@ TEST_CASE("paced, publishing a tick allocates nothing, nor does the slow thread"
   CHECK(allocations() == before);
   CHECK(before > 0);
   CHECK(publisher.finish().written > 1);
-}
-
-TEST_CASE("without a pace, the ticks that are due are written, each completed once") {
-  const TemporaryDirectory directory;
-  int completed = 0;
-  const std::string name = directory.file("f");
-  FramePublisher publisher(
-      OutputFile(name, false), kScene, 3,
-      [&](Frame& frame) {
-        complete(frame);
-        ++completed;
-      },
-      false, 1000, stop);
-  for (std::uint64_t tick = 0; tick <= 100; ++tick) offer(publisher, tick);
-  CHECK(publisher.finish().written == 4);
-  CHECK(completed == 4);
-  std::vector<std::uint64_t> ticks;
-  for (const Frame& frame : read_all(name)) ticks.push_back(frame.tick);
-  CHECK(ticks == std::vector<std::uint64_t>{0, 40, 80, 100});
 }
 
 TEST_CASE("paced, a viewer that sleeps costs frames, and one that died ends the writing") {

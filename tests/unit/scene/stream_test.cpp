@@ -7,6 +7,7 @@
 #include <cstring>
 #include <numbers>
 
+#include "libcore/base/error.hpp"
 #include "libcore/scene/scene.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/scene/scenes.hpp"

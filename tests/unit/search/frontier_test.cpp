@@ -1,16 +1,15 @@
 // A frontier as FrontierReader reads it, dealt out to parts.
 #include "libcore/search/expand.hpp"
 #include "tests/unit/catch.hpp"
-#include "tests/unit/shard/rows.hpp"
 
 using namespace hapgrid;
 
 TEST_CASE("blocks of a frontier are dealt out in turns, and parts differ by one of them at most") {
-  Random random(2007);
+  std::mt19937_64 random(2007);
   for (int i = 0; i < 100; ++i) {
     // Few parts of many conversions, which have large blocks, or up to 300 parts of fewer.
     const std::uint64_t total = random() % (i % 2 == 0 ? 100 : i % 3 ? 100000 : 5000);
-    const std::uint64_t parts = draw(random, 1, i % 3 ? 9 : 300);
+    const std::uint64_t parts = 1 + random() % (i % 3 ? 9 : 300);
     CAPTURE(total, parts);
     std::uint64_t sum = 0, least = ~std::uint64_t{0}, most = 0;
     for (std::uint64_t k = 1; k <= parts; ++k) {

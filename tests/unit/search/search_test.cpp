@@ -2,6 +2,7 @@
 
 #include "tests/unit/catch.hpp"
 #include "tests/unit/search/shards.hpp"
+#include "tests/unit/temporary_directory.hpp"
 
 using namespace hapgrid;
 
@@ -41,34 +42,12 @@ TEST_CASE("rounds of expand and merge are Algorithm 1, generation by generation"
     for (const auto& [key, record] : search.x())
       most_levels = std::max(most_levels, std::size_t(key.second) + 1);
     // The chunks that were copied from round to round are those of a search in memory.
-    complete_shard(dir.file("grid"), dir.file("complete"), 2);
+    complete_shard(dir.file("grid"), dir.file("complete"),
+                   static_cast<unsigned>(draw(random, 1, 4)));
     REQUIRE(open_grid(grid).digest == open_grid(dir.file("complete")).digest);
   }
   // Else the order of requests was not put to the test.
   REQUIRE(most_levels >= 4);
-}
-
-TEST_CASE("complete() is Algorithm 1, with any number of threads") {
-  Random random(20032);
-  for (int i = 0; i < 20; ++i) {
-    CAPTURE(i);
-    const TemporaryDirectory dir;
-    const Case c(random, i % 10 ? 6 : 10);
-    reference::Search search = c.search();
-    write_seed_shard(c, dir.file("seeds"));
-    // From the seeds, or from a generation on the way.
-    if (draw(random, 0, 1)) {
-      for (int g = draw(random, 1, 3); g > 0 && search.round(); --g) {
-        expand_shard(dir.file("seeds"), {}, dir.file("requests"));
-        merge_shards({dir.file("seeds"), dir.file("requests")}, dir.file("next"));
-        move_file(dir.file("next"), dir.file("seeds"));
-      }
-    }
-    complete_shard(dir.file("seeds"), dir.file("grid"), static_cast<unsigned>(draw(random, 1, 4)));
-    while (search.round()) {
-    }
-    require_same(dir.file("grid"), search);
-  }
 }
 
 TEST_CASE("the failure of a thread ends the work of the others, and reaches the caller") {

@@ -51,7 +51,7 @@ struct Case {
                              {"tolerance", toy.tolerance}};
   }
 
-  explicit Case(Random& random, int max_count = 6) {
+  explicit Case(Random& random) {
     toy::Toy model;
     model.state_size = draw(random, 0, 3) ? 2 : static_cast<std::uint32_t>(draw(random, 1, 5));
     model.salt = static_cast<std::uint64_t>(draw(random, 0, 1 << 30));
@@ -65,7 +65,7 @@ struct Case {
     definition.box.origin = grid.origin;
     definition.box.spacing = grid.spacing;
     std::array<int, 3> counts;
-    for (int& count : counts) count = draw(random, 1, max_count);
+    for (int& count : counts) count = draw(random, 1, 6);
     resize(counts);
 
     for (int i = draw(random, 1, 4); i > 0; --i) {
@@ -104,11 +104,6 @@ inline FileDescriptor open_plain(const std::string& name) {
   FileDescriptor file(::open(name.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666));
   REQUIRE(file);
   return file;
-}
-
-inline void move_file(const std::string& from, const std::string& to) {
-  std::filesystem::remove(to);
-  std::filesystem::rename(from, to);
 }
 
 /// Writes one shard into a file; `write` finishes the writer.

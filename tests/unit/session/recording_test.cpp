@@ -6,6 +6,7 @@
 #include "tests/unit/catch.hpp"
 #include "tests/unit/count_allocations.hpp"
 #include "tests/unit/session/ticks.hpp"
+#include "tests/unit/temporary_directory.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::testing;

@@ -1,6 +1,7 @@
 // The bead between two wells, the same for the plug-in in C and the one in Fortran. The oracle is
 // bisection in long double on dE/ds = b s (s^2 - a^2) + k (s - x), which has one root a branch.
 
+#include "libcore/grid/vec3.hpp"
 #include "libcore/model/plugin_model.hpp"
 #include "tests/unit/catch.hpp"
 

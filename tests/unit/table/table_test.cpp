@@ -1,4 +1,5 @@
-// Splines and fields against polynomials, which a not-a-knot spline reproduces.
+// Splines and fields against polynomials, which a not-a-knot spline reproduces. A sheared lattice
+// is in tests/cli/table/formats.sh.
 
 #include "tests/unit/catch.hpp"
 #include "tools/apps/table/field.hpp"
@@ -77,25 +78,6 @@ TEST_CASE("a spline reproduces products of cubics with their derivatives, up to 
       CHECK(v.hessian[4] == near(df(x) * g(y) * dh(z)));
       CHECK(v.hessian[5] == near(f(x) * dg(y) * dh(z)));
     }
-  }
-}
-
-TEST_CASE("a sheared lattice with unequal spacings gives the same energy and gradient") {
-  Lattice l = lattice({7, 6, 8}, {{{0.5, 0, 0}, {0.2, 0.7, 0}, {-0.1, 0.15, 0.4}}}, {-1, 2, 0.5});
-  const auto energy = [](const Vector& x) {
-    return x[0] * x[0] - x[0] * x[1] + 0.3 * x[2] * x[2] * x[2];
-  };
-  fill(l, energy);
-  const Field field(l, {}, "table");
-  for (const double t : {0.1, 0.4, 0.9}) {
-    Vector x = l.origin;
-    for (int c = 0; c < 3; ++c)
-      x[c] += 6 * t * l.axes[0][c] + 5 * (1 - t) * l.axes[1][c] + 7 * t * l.axes[2][c];
-    double got[3];
-    CHECK(field.at(x.data(), got) == Approx(energy(x)).margin(1e-9));
-    CHECK(got[0] == Approx(2 * x[0] - x[1]).margin(1e-9));
-    CHECK(got[1] == Approx(-x[0]).margin(1e-9));
-    CHECK(got[2] == Approx(0.9 * x[2] * x[2]).margin(1e-9));
   }
 }
 

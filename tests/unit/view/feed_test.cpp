@@ -5,8 +5,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "libcore/base/error.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/scene/scenes.hpp"
+#include "tests/unit/temporary_directory.hpp"
 
 using namespace hapgrid;
 using testing::small_frame;
