@@ -21,8 +21,10 @@ struct PackedGrid {
   std::optional<double> lowest;
   double force_scale = 0;  ///< as Fields has it
   bool snaps = false;      ///< a place has several levels
-  /// By torsion, for each of 72 equal parts of -180 to 180 degrees: the lowest own energy of the
-  /// records whose angle is there; NaN where there is none, or the model has no energy of its own.
+  /// By torsion, at -180, -175, ... 175 degrees: the lowest own energy where a branch goes through
+  /// this angle between two neighbours, whose states are interpolated, so that barriers that are
+  /// equal are so here, too; NaN where none does, or the model has no energy of its own. The lowest
+  /// energy of all records stands at the nearest angle.
   std::vector<std::array<double, 72>> profiles;
 };
 
