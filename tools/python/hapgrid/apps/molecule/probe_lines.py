@@ -16,7 +16,7 @@ from hapgrid.apps.common import files
 from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.work import Work
 
-from . import geometry, holding
+from . import holding
 from .definition import CLEAR, PROBE, paths_of
 from .elements import RADII
 from .holding import Hold
@@ -120,9 +120,8 @@ def _saddles(path: Path, energies: Array) -> list[float]:
     """The t of each barrier of a path: where its energy is higher than at both neighbours. Both ends of one that closes are one
     barrier."""
     last = len(energies) - 1
-    closes = geometry.rms(path.nodes[0], path.nodes[-1]) < 1e-6
     tops = [k for k in range(1, last) if energies[k - 1] < energies[k] >= energies[k + 1]]
-    return [(k - path.start) / last for k in tops + [last] * closes]
+    return [(k - path.start) / last for k in tops + [last] * path.closes]
 
 
 def _crossed(t: Array, at: float) -> bool:
