@@ -103,7 +103,8 @@ def _held(start: Start, grid: str, structures: Result, hold: Hold, taken: Sequen
         ticks = holding.there_and_back(path, places)
         write_way(folder, file, ticks, "tried")
         saddles = _saddles(path, energies)
-        log = read_log(folder.run("play", grid, "--device", f"path:{file}", "--log", "-").out)
+        log = read_log(folder.run("play", grid, "--device", f"path:{file}", "--log", "-",
+                                  watch=lambda gone: folder.waiting("playing the hand's ways", gone, None)).out)
         t, snaps = log[f"s{taken.index(name)}"], int(log["snap"].sum())
         over = sum(_crossed(t, at) for at in saddles)
         said = "over all its barriers" if over > 1 else "over its barrier" if saddles else "to its end"
