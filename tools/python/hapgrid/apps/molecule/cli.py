@@ -49,8 +49,7 @@ same molecule gives the same grid on each machine.
 
 Examples:
   hapgrid molecule ibuprofen.sdf -o ibuprofen -j 2
-                        a grid of the molecule in a file; the last line that
-                        is printed shows it in a browser
+                        a grid of the molecule in a file
   hapgrid molecule --smiles ClCCCl -o dichloroethane
                         the same from a formula
 """

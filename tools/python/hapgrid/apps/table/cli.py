@@ -34,11 +34,9 @@ median above the minimum where values are higher or missing.
 
 Examples:
   hapgrid table receptor.C.map -o carbon
-                        a grid of AutoGrid's map for carbon; the last line that
-                        is printed shows it in a browser
+                        a grid of AutoGrid's map for carbon
   hapgrid table potential.dx -o charge --unit kT/e --factor -1
-                        the potential that APBS computed, as a charge of -1
-                        feels it
+                        APBS's potential, as a charge of -1 feels it
 """
 
 
