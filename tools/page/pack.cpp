@@ -133,17 +133,6 @@ std::vector<double> own_energies(const Grid& grid, const Fields& fields) {
   return own;
 }
 
-/// Two-way links along axes: use(record, the record to which it leads upwards).
-template <class Use>
-void for_each_two_way(const Grid& grid, const Use& use) {
-  for (RecordIndex r = 0; r < grid.records(); ++r)
-    for (int axis = 0; axis < 3; ++axis) {
-      const int q = Direction::up(axis).q();
-      const RecordIndex next = grid.destination(r, q);
-      if (next != Grid::kNoRecord && !grid.is_one_way(r, q)) use(r, next);
-    }
-}
-
 std::vector<std::array<double, 72>> profiles_of(const std::vector<Torsion>& torsions,
                                                 const Grid& grid, const Fields& fields,
                                                 Shapes& shapes, const std::vector<double>& own) {
@@ -158,18 +147,23 @@ std::vector<std::array<double, 72>> profiles_of(const std::vector<Torsion>& tors
     };
     for (std::size_t r = 0; r < own.size(); ++r)  // in parts of the profile
       angles[r] = torsion_degrees(torsions[t], shapes.of(static_cast<RecordIndex>(r))) / 5;
-    for_each_two_way(grid, [&](RecordIndex r, RecordIndex next) {
-      const double way = std::remainder(angles[next] - angles[r], 72);
-      const auto [low, high] = std::minmax({angles[r], angles[r] + way});
-      for (double part = std::ceil(low); part <= high; ++part) {
-        const double u = way == 0 ? 0 : (part - angles[r]) / way;
-        for (std::size_t c = 0; c < row.size(); ++c) {
-          const double here = grid.state(r)[c];
-          row[c] = here + u * (nearest(grid.spec().equality, c, grid.state(next)[c], here) - here);
+    for (RecordIndex r = 0; r < grid.records(); ++r)
+      for (int axis = 0; axis < 3; ++axis) {
+        const int q = Direction::up(axis).q();
+        const RecordIndex next = grid.destination(r, q);
+        if (next == Grid::kNoRecord || grid.is_one_way(r, q)) continue;
+        const double way = std::remainder(angles[next] - angles[r], 72);
+        const auto [low, high] = std::minmax({angles[r], angles[r] + way});
+        for (double part = std::ceil(low); part <= high; ++part) {
+          const double u = way == 0 ? 0 : (part - angles[r]) / way;
+          for (std::size_t c = 0; c < row.size(); ++c) {
+            const double here = grid.state(r)[c];
+            row[c] =
+                std::lerp(here, nearest(grid.spec().equality, c, grid.state(next)[c], here), u);
+          }
+          of(part) = std::fmin(of(part), fields.own_energy(row));
         }
-        of(part) = std::fmin(of(part), fields.own_energy(row));
       }
-    });
     const auto lowest = std::min_element(own.begin(), own.end());
     if (std::isfinite(angles[lowest - own.begin()]))
       of(std::round(angles[lowest - own.begin()])) = *lowest;

@@ -21,10 +21,9 @@ struct PackedGrid {
   std::optional<double> lowest;
   double force_scale = 0;  ///< as Fields has it
   bool snaps = false;      ///< a place has several levels
-  /// By torsion, at -180, -175, ... 175 degrees: the lowest own energy where a branch goes through
-  /// this angle between two neighbours, whose states are interpolated, so that barriers that are
-  /// equal are so here, too; NaN where none does, or the model has no energy of its own. The lowest
-  /// energy of all records stands at the nearest angle.
+  /// By torsion, at -180, -175, ... 175 degrees: the lowest own energy of states between neighbours
+  /// on a branch, which have this angle, so that barriers do not depend on where records lie; the
+  /// lowest of all records at the nearest angle; NaN where there is none.
   std::vector<std::array<double, 72>> profiles;
 };
 
