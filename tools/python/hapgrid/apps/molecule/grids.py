@@ -127,8 +127,8 @@ def tries(definition: Definition) -> str:
     """The options that can keep the stiffest path, with which the grid breaks a rule."""
     alone = definition.paths[-1]
     turns = len(definition.paths) > 1 and any(alone in (t.name, *t.file_names()) for t in definition.torsions)
-    return " or ".join([f"--spacing below {definition.spacing:g}"] + ["--hold with another atom"] * bool(definition.held)
-                       + [f"--torsions {alone} alone"] * turns)
+    return ", or ".join([f"--spacing below {definition.spacing:g}"] + ["--hold with another atom"] * bool(definition.held)
+                        + [f"--torsions {alone} alone"] * turns)
 
 
 def planned(start: Start, shapes: Result, remedies: Remedies) -> tuple[Definition, Fault | None]:
