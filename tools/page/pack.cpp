@@ -134,17 +134,39 @@ std::vector<double> own_energies(const Grid& grid, const Fields& fields) {
 }
 
 std::vector<std::array<double, 72>> profiles_of(const std::vector<Torsion>& torsions,
+                                                const Grid& grid, const Fields& fields,
                                                 Shapes& shapes, const std::vector<double>& own) {
   std::vector<std::array<double, 72>> profiles(torsions.size());
+  std::vector<double> angles(own.size()), row(grid.state_size());
   for (std::size_t t = 0; t < torsions.size(); ++t) {
     auto& profile = profiles[t];
     profile.fill(std::numeric_limits<double>::quiet_NaN());
-    for (std::size_t r = 0; r < own.size(); ++r) {
-      const double angle = torsion_degrees(torsions[t], shapes.of(static_cast<RecordIndex>(r)));
-      if (!std::isfinite(angle)) continue;
-      const auto bin = static_cast<std::size_t>((angle + 180) / 360 * 72) % 72;
-      profile[bin] = std::fmin(profile[bin], own[r]);
-    }
+    if (own.empty()) continue;
+    const auto of = [&](double part) -> double& {
+      return profile[static_cast<std::size_t>(part + 36 + 72) % 72];
+    };
+    for (std::size_t r = 0; r < own.size(); ++r)  // in parts of the profile
+      angles[r] = torsion_degrees(torsions[t], shapes.of(static_cast<RecordIndex>(r))) / 5;
+    for (RecordIndex r = 0; r < grid.records(); ++r)
+      for (int axis = 0; axis < 3; ++axis) {
+        const int q = Direction::up(axis).q();
+        const RecordIndex next = grid.destination(r, q);
+        if (next == Grid::kNoRecord || grid.is_one_way(r, q)) continue;
+        const double way = std::remainder(angles[next] - angles[r], 72);
+        const auto [low, high] = std::minmax({angles[r], angles[r] + way});
+        for (double part = std::ceil(low); part <= high; ++part) {
+          const double u = way == 0 ? 0 : (part - angles[r]) / way;
+          for (std::size_t c = 0; c < row.size(); ++c) {
+            const double here = grid.state(r)[c];
+            row[c] =
+                std::lerp(here, nearest(grid.spec().equality, c, grid.state(next)[c], here), u);
+          }
+          of(part) = std::fmin(of(part), fields.own_energy(row));
+        }
+      }
+    const auto lowest = std::min_element(own.begin(), own.end());
+    if (std::isfinite(angles[lowest - own.begin()]))
+      of(std::round(angles[lowest - own.begin()])) = *lowest;
   }
   return profiles;
 }
@@ -253,7 +275,7 @@ PackedGrid pack_grid(const Grid& grid, const std::string& name, const MakeModel&
   Shapes shapes(grid, fields);
   packed.snaps = grid.records() > grid.box().points();
   const std::vector<double> own = own_energies(grid, fields);
-  packed.profiles = profiles_of(packed.scene.torsions, shapes, own);
+  packed.profiles = profiles_of(packed.scene.torsions, grid, fields, shapes, own);
   packed.bytes = packed_bytes(grid, of_records, packed.lowest, packed.scene, shapes, own);
   return packed;
 }

@@ -21,8 +21,9 @@ struct PackedGrid {
   std::optional<double> lowest;
   double force_scale = 0;  ///< as Fields has it
   bool snaps = false;      ///< a place has several levels
-  /// By torsion, for each of 72 equal parts of -180 to 180 degrees: the lowest own energy of the
-  /// records whose angle is there; NaN where there is none, or the model has no energy of its own.
+  /// By torsion, at -180, -175, ... 175 degrees: the lowest own energy of states between neighbours
+  /// on a branch, which have this angle, so that barriers do not depend on where records lie; the
+  /// lowest of all records at the nearest angle; NaN where there is none.
   std::vector<std::array<double, 72>> profiles;
 };
 

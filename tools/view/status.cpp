@@ -19,11 +19,12 @@ std::string status_text(const Scene& scene, const Frame& frame) {
       format("t {} s   force {} N",
              std::abs(frame.time_s) < 1e9 ? fixed(frame.time_s, 2) : three_digits(frame.time_s),
              three_digits(length_of(frame.force)));
-  if (std::isfinite(frame.energy)) {
-    text += "   energy " + three_digits(frame.energy);
-    if (!scene.energy_unit.empty()) text += " " + counted_unit(scene.energy_unit, frame.energy);
+  const bool has_own = std::isfinite(frame.own_energy);
+  if (const double energy = has_own ? frame.own_energy : frame.energy; std::isfinite(energy)) {
+    text += "   energy " + three_digits(energy);
+    if (!scene.energy_unit.empty()) text += " " + counted_unit(scene.energy_unit, energy);
+    if (has_own) text += " of the model alone, " + three_digits(frame.energy) + " with the hand";
   }
-  if (std::isfinite(frame.own_energy)) text += "   model alone " + three_digits(frame.own_energy);
   std::size_t farthest = frame.turned.size();
   for (std::size_t i = 0; i < frame.turned.size(); ++i)
     if (std::abs(frame.turned[i]) >= (farthest < i ? std::abs(frame.turned[farthest]) : kTurned))

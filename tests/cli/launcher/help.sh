@@ -17,7 +17,7 @@ for tool in "${tools[@]}"; do
   (($(wc -l <help) <= lines)) || fail "$tool --help has $(wc -l <help) lines"
   # None of CLI11's own notes on types and options is left.
   ! grep -E ':(INT|FLOAT|TEXT|POSITIVE|\{)|Needs:|Excludes:|REQUIRED|\{auto\}' help || fail "$tool --help shows how it is parsed"
-  [[ $tool =~ ^(molecule|table|dock|feel|init)$ ]] || for code in 'Exit codes:' '  0  done' '  1  could not' '  2  the command line is wrong'; do
+  [[ $tool =~ ^(feel|init)$ ]] || for code in 'Exit codes:' '  0  done' '  1  could not' '  2  the command line is wrong'; do
     grep -q "^$code" help || fail "$tool --help does not say: $code"
   done
 
@@ -30,6 +30,7 @@ for tool in "${tools[@]}"; do
   sed -nE 's/^\.S[HS] "?([^"]*)"?$/\1/p' "$man" >headings
   cmp headings <(grep -Fxf headings text) || fail "hapgrid help $tool lacks headings"
   ! grep -E '\\|^ *\.[A-Z]' text || fail "hapgrid help $tool has roff"
+  ! grep -E "^ .*hapgrid $tool .*hapgrid $tool " text || fail "hapgrid help $tool has two examples on a line"
   (($(wc -L <text) < 80)) || fail "hapgrid help $tool is $(wc -L <text) columns wide"
   # SEE ALSO names pages that there are.
   sed -n '/^\.SH "SEE ALSO"/,/^\.SH/p' "$man" | grep -oE 'hapgrid[a-z-]*' >others || fail "$man has no SEE ALSO"

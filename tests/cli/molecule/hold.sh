@@ -16,6 +16,13 @@ awk -F'\t' 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
 # The path closes: its first frame is its last one.
 size=$((2 + $(head -n 1 dce/Cl1-C2-C3-Cl4.xyz)))
 cmp <(head -n "$size" dce/Cl1-C2-C3-Cl4.xyz | tail -n +3) <(tail -n "$((size - 2))" dce/Cl1-C2-C3-Cl4.xyz) || fail "it does not close"
+same "rows that are there twice" '' "$(grep 'saddle on the path' dce/report.tsv | cut -f 3- | sort | uniq -d)"
+# feel.html has the barriers of the path: at 0 degrees that of its ends, which is the highest, and beside it two mirror images.
+python3 - "$(sed -n 's/^dE=\([^ ]*\).*/\1/p' dce/Cl1-C2-C3-Cl4.xyz | head -n 1)" <<'END' || fail "barriers of feel.html"
+import json, sys
+profile = json.JSONDecoder().raw_decode(open("dce/feel.html", encoding="utf-8").read().split('"torsions":', 1)[1])[0][0][3]
+assert abs(profile[36] - float(sys.argv[1])) < 0.01 and abs(max(profile[6:18]) - max(profile[55:67])) < 0.02, profile
+END
 of() { sed -n "s/^$1 = \([^#]*[^# ]\) *#.*/\1/p" dce/dce.toml; }
 same "held and fixed" "[4] [1, 2, 3, 5, 6]" "$(of hold) $(of fixed)"
 stiff=$(awk "BEGIN { print $(of hold_force) / $(of hold_width) }")

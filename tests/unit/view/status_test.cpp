@@ -33,7 +33,8 @@ TEST_CASE("the numbers as a line") {
   frame.angles = {-70, 66.7, kNan};
   frame.turned = {-20, 166.7, kNan};
   CHECK(status_text(scene, frame) ==
-        "t 3.20 s   force 0.5 N   energy 12.3 kJ/mol   model alone 9.06   psi +67°");
+        "t 3.20 s   force 0.5 N   energy 9.06 kJ/mol of the model alone, 12.3 with the hand   "
+        "psi +67°");
   frame.own_energy = kNan;
   frame.turned = {9, -9, kNan};
   CHECK(status_text(scene, frame) == "t 3.20 s   force 0.5 N   energy 12.3 kJ/mol");

@@ -71,8 +71,9 @@ class TableModel {
       sphere.radius *= 0.3F;  // the field is felt between the atoms, so they must not hide it
       std::snprintf(sphere.label, sizeof sphere.label, "%s", atom.label.c_str());
     }
-    for (std::size_t m = 0; m < field_.minima().size(); ++m)
-      *spheres++ = {static_cast<float>(marker_), {0.2F, 0.5F, 0.9F}, ""};
+    for (std::size_t m = 0; m < field_.minima().size();
+         ++m)  // the HIP's ball must not vanish in one
+      *spheres++ = {static_cast<float>(marker_ / 2), {0.2F, 0.5F, 0.9F}, ""};
   }
 
   void shape(const double*, float* centres) const {

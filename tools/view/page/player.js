@@ -5,6 +5,8 @@ const kTicksASecond = 1000;
 const kLongestPause = 100;  // ticks that are made up for after the browser was busy
 const kRestSeconds = 5;     // of a hand that does nothing: then time stops, and the battery lasts
 const kPathTicks = 600000;  // that are kept to be saved
+const kOfTheHand = "With the hand: and what the hand stores by pulling or pushing; between the grid's points both are " +
+  "interpolated, so this one can be a little lower.";
 let lettingGo = false;      // the hand goes where the force leads, until there is none
 let player = null;          // what the player exports, and what this page knows of the play
 
@@ -22,10 +24,11 @@ function playedFrame() {
   const time = shown[10] / kTicksASecond, force = list(3, 3);
   const energy = own.force_scale > 0 ? (own.lowest + shown[20]) / own.force_scale : NaN;
   const angles = Array.from(new Float64Array(buffer, player.angles_at(), own.torsions.length));
-  const model = shown[26];
+  const model = shown[26], hasOwn = Number.isFinite(energy + model);
   const status = `t ${time.toFixed(2)} s   force ${threeDigits(Math.hypot(...force))} N` +
-    (Number.isFinite(energy) ? `   energy ${threeDigits(energy)} ${own.energy_unit}` : "") +
-    (Number.isFinite(energy + model) ? ` with the hand's part, ${threeDigits(model)} of the model alone` : "");
+    (Number.isFinite(energy) ? `   energy ${threeDigits(hasOwn ? model : energy)} ${own.energy_unit}` : "") +
+    (hasOwn ? ` of the model alone, ${threeDigits(energy)} with the hand` : "");
+  if (hasOwn) element("status").title = kOfTheHand;
   const ends = new Uint32Array(buffer, player.bonds_at(), 2 * shown[25]);
   return {
     time, jumps: shown[9], hip: list(0, 3), force, hand: [...hand], energy, own: model, arrow: list(21, 4), status, angles, turned: [],

@@ -8,7 +8,7 @@ const kStrip = { width: 190, height: 64 };
 /// profile's span; to the highest the way can first lead down. [energy, bin]
 function extreme(profile, angle, way, sign) {
   const known = profile.filter((v) => v !== null), least = 0.1 * (Math.max(...known) - Math.min(...known)), n = profile.length;
-  const here = Math.floor((angle + 180) / 360 * n);
+  const here = Math.round((angle + 180) / 360 * n) % n;
   let [top, at] = [-Infinity, 0];  // times the sign
   for (let i = 0; i < n; ++i) {
     const v = profile.at((here + way * i) % n);
@@ -53,7 +53,7 @@ function drawStrip(c, [left, top], number, [, , name, profile], angle, own) {
   if (known.length < 2 || !Number.isFinite(own) || !Number.isFinite(angle)) return;
   const low = Math.min(...known), span = Math.max(...known) - low || 1, barriers = barriersBeside(profile, angle).map((v) => v - low);
   const at = (angle_, v) => [left + (right - left) * (angle_ + 180) / 360, top + 44 - 25 * clamp((v - low) / span, 0, 1.15)];
-  const curve = profile.map((v, k) => at((k + 0.5) / profile.length * 360 - 180, v ?? NaN));
+  const curve = [...profile, profile[0]].map((v, k) => at(k / profile.length * 360 - 180, v ?? NaN));
   strokeLines(c, [[[left, top + 45], [right, top + 45]]], kGrey, 0.5);
   strokeLines(c, [curve.filter((place) => Number.isFinite(place[1])).map(([x, y]) => [x, y])], kGrey, 0.7);  // where the grid has none
   strokeCurve(c, curve, data.energy_colour);

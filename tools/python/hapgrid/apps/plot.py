@@ -41,10 +41,11 @@ Exit codes:
 
 Examples:
   hapgrid plot slice ball.grid --at y=0 -o levels.png
-  hapgrid plot field alanine.grid --at z=0 -o field.svg
+                        the levels in a plane
   hapgrid plot columns a.log --x x --y s0 --grid ball.grid -o loop.svg
-  hapgrid plot session a.session -o a.pdf
+                        a state over the hand's place, there and back
   hapgrid plot error 20.grid 30.grid 60.grid -o error.png
+                        how far play is from the model
 """
 
 

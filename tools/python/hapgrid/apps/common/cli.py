@@ -15,7 +15,7 @@ from .texts import printable_line, printable_text
 
 # For the help of a command.
 EXIT_CODES = """\
-exit codes:
+Exit codes:
   0  done
   1  could not: input, I/O, a model or another program
   2  the command line is wrong

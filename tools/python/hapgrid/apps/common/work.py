@@ -171,10 +171,8 @@ class Work:
         began = time.monotonic()
 
         def tell(done: int) -> None:
-            left = f"{100 * done // total} %, " if total else ""
-            if 0 < done < total:
-                left += f"about {duration((time.monotonic() - began) / done * (total - done))} left, "
-            self._write_over(f"{left}{what}: {done} of {total}")
+            gone = time.monotonic() - began
+            self.waiting(f"{what}: {done} of {total}", gone, gone / done * total if 0 < done < total else None)
         tell(0)
         return tell
 
@@ -291,8 +289,13 @@ class Work:
 
 
 def about(seconds: float, cores: int) -> str:
-    """What a computation of so many seconds takes, in words. Nobody knows what else the machine will do."""
-    return f"about {duration(seconds)} on " + ("a free core" if cores == 1 else f"{cores} free cores")
+    """What a computation of so many seconds takes, in words; also, where others use the cores, if they go on doing so."""
+    began, used = time.monotonic(), time.process_time()
+    while time.process_time() - used < 0.1:
+        pass
+    slower = (time.monotonic() - began) / 0.1
+    free = f"about {duration(seconds)} on " + ("a free core" if cores == 1 else f"{cores} free cores")
+    return free if slower < 1.5 else f"about {duration(slower * seconds)} at the present load, and {free}"
 
 
 def duration(seconds: float) -> str:

@@ -34,10 +34,14 @@ Files in DIR, whose name is NAME:
 
 {EXIT_CODES}
 
-examples:
+Examples:
   hapgrid dock calix.mol2 formamide.mol2 -o calix --centre 0,0,3 -j 2
-  hapgrid dock host.pdbqt ligand.sdf -o pocket --centre 15,53,16 --size 8,8,8
+                        formamide in calix[4]arene, of examples/docking
   hapgrid dock host.maps.fld ligand.pdbqt -o maps
+                        by maps that are there already
+  pdb2pqr --ff=AMBER --with-ph=7.4 protein.pdb protein.pqr
+                        hydrogens and charges for a protein, which is HOST then:
+                        Open Babel gives its charged groups no charge
 """
 
 

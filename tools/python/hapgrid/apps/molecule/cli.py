@@ -47,10 +47,11 @@ same molecule gives the same grid on each machine.
 
 {EXIT_CODES}
 
-examples:
+Examples:
   hapgrid molecule ibuprofen.sdf -o ibuprofen -j 2
+                        a grid of the molecule in a file
   hapgrid molecule --smiles ClCCCl -o dichloroethane
-  hapgrid molecule loop.pdb -o loop --keep-conformation --until definition
+                        the same from a formula
 """
 
 

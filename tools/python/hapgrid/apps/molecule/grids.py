@@ -36,7 +36,7 @@ ROOM, RULE = "room", "rule"
 # What else is wrong with a grid, and what that means for its stiffest path: why expand cannot compute it, by the word that
 # it writes to the file of --cost, or that verify finds it broken where the anchors cannot be softer.
 HOPELESS = {"levels": f"with it a point has more than {MAX_LEVELS} states",
-            "model": "with it the molecule does not come to rest", RULE: "with it the grid breaks {}: see {}"}
+            "model": "with it the molecule does not come to rest", RULE: "with it the grid breaks {}: see {}; try {}"}
 
 
 @dataclass(frozen=True)
@@ -118,9 +118,17 @@ def cure(remedies: Remedies, fault: Fault, definition: Definition) -> tuple[Reme
         return replace(remedies, softer=2 * remedies.softer), f"{fault.text}: anchors half as stiff are tried"
     if fault.kind in HOPELESS and paths:
         stiffest = paths[-1]
-        why = HOPELESS[fault.kind].format(fault.rule, report_without(stiffest))
+        why = HOPELESS[fault.kind].format(fault.rule, report_without(stiffest), tries(definition))
         return Remedies({**remedies.unwanted, stiffest: why}), f"{stiffest} is left out: {why}"
     return None
+
+
+def tries(definition: Definition) -> str:
+    """The options that can keep the stiffest path, with which the grid breaks a rule."""
+    alone = definition.paths[-1]
+    turns = len(definition.paths) > 1 and any(alone in (t.name, *t.file_names()) for t in definition.torsions)
+    return ", or ".join([f"--spacing below {definition.spacing:g}"] + ["--hold with another atom"] * bool(definition.held)
+                        + [f"--torsions {alone} alone"] * turns)
 
 
 def planned(start: Start, shapes: Result, remedies: Remedies) -> tuple[Definition, Fault | None]:

@@ -260,8 +260,7 @@ def there_and_back(path: Path, places: Array) -> Array:
     """Places of the hand, a tick each, on which it leads what is held along its way and back: all round and back where the path
     closes, else to both ends."""
     start, last = path.start, len(places) - 1
-    closes = geometry.rms(path.nodes[0], path.nodes[-1]) < 1e-6
-    if closes:
+    if path.closes:
         nodes = [*range(start, last + 1), *range(1, start + 1)]
         nodes += nodes[-2::-1]
     else:

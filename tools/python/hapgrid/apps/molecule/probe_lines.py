@@ -16,7 +16,7 @@ from hapgrid.apps.common import files
 from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.work import Work
 
-from . import geometry, holding
+from . import holding
 from .definition import CLEAR, PROBE, paths_of
 from .elements import RADII
 from .holding import Hold
@@ -103,7 +103,8 @@ def _held(start: Start, grid: str, structures: Result, hold: Hold, taken: Sequen
         ticks = holding.there_and_back(path, places)
         write_way(folder, file, ticks, "tried")
         saddles = _saddles(path, energies)
-        log = read_log(folder.run("play", grid, "--device", f"path:{file}", "--log", "-").out)
+        log = read_log(folder.run("play", grid, "--device", f"path:{file}", "--log", "-",
+                                  watch=lambda gone: folder.waiting("playing the hand's ways", gone, None)).out)
         t, snaps = log[f"s{taken.index(name)}"], int(log["snap"].sum())
         over = sum(_crossed(t, at) for at in saddles)
         said = "over all its barriers" if over > 1 else "over its barrier" if saddles else "to its end"
@@ -120,9 +121,8 @@ def _saddles(path: Path, energies: Array) -> list[float]:
     """The t of each barrier of a path: where its energy is higher than at both neighbours. Both ends of one that closes are one
     barrier."""
     last = len(energies) - 1
-    closes = geometry.rms(path.nodes[0], path.nodes[-1]) < 1e-6
     tops = [k for k in range(1, last) if energies[k - 1] < energies[k] >= energies[k + 1]]
-    return [(k - path.start) / last for k in tops + [last] * closes]
+    return [(k - path.start) / last for k in tops + [last] * path.closes]
 
 
 def _crossed(t: Array, at: float) -> bool:

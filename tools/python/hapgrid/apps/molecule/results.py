@@ -67,9 +67,15 @@ class Path:
     def barrier(self) -> float:
         return max(self.energies)
 
+    @property
+    def closes(self) -> bool:
+        """Whether both ends are one shape."""
+        return bool(np.allclose(self.nodes[0], self.nodes[-1], rtol=0, atol=1e-6))
+
     def points(self) -> list[tuple[str, float, Array]]:
-        """[(kind, energy, shape)] of what is stationary on the way behind saddles, without the conformation."""
-        return [(kind, self.energies[k], self.nodes[k]) for k, kind in self.kinds.items()]
+        """[(kind, energy, shape)] of what is stationary on the way behind saddles, each once, without the conformation."""
+        last = len(self.nodes) - self.closes
+        return [(kind, self.energies[k], self.nodes[k]) for k, kind in self.kinds.items() if k < last]
 
     def minima(self) -> list[int]:
         return [k for k, kind in self.kinds.items() if kind == "minimum"]

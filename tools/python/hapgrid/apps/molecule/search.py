@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import multiprocessing
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -70,9 +71,14 @@ class Search:
         threads = min(self.start.options.threads, len(values))
         with workers(threads) as pool:
             raise_if_stopped()
-            for done, result in enumerate(pool.imap(_ask, [(method, kind, value) for value in values]), 1):
-                tell(done)
-                yield values[done - 1], result
+            results = pool.imap(_ask, [(method, kind, value) for value in values])
+            for done, value in enumerate(values):
+                result = None
+                while result is None:
+                    with suppress(multiprocessing.TimeoutError):
+                        result = results.next(0.5)
+                    tell(done + (result is not None))
+                yield value, result
 
     def result(self, found: list[Path], dropped: list[tuple[str, str]]) -> Result:
         """dropped: without those that a path has, whose bond it turns though another one was driven."""

@@ -32,10 +32,11 @@ median above the minimum where values are higher or missing.
 
 {EXIT_CODES}
 
-examples:
+Examples:
   hapgrid table receptor.C.map -o carbon
-  hapgrid table potential.dx -o positive --unit kT/e --wall 10
-  hapgrid table water.cube -o charge --factor -1
+                        a grid of AutoGrid's map for carbon
+  hapgrid table potential.dx -o charge --unit kT/e --factor -1
+                        APBS's potential, as a charge of -1 feels it
 """
 
 

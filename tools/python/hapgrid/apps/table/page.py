@@ -163,6 +163,6 @@ def write(work: Work, name: str, values: Values) -> list[str]:
 <h2>The energy</h2>
 <img src="slices.png" alt="three planes">
 <h2>A way through the lowest point and back</h2>
-<p>Blue balls are the deepest minima.
+<p>Small blue balls are the deepest minima.
 <iframe src="played.html" title="the way"></iframe>""")
     return made

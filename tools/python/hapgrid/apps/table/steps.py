@@ -123,7 +123,7 @@ energy_unit = "{energy}"
 length_unit = "{length}"
 factor = {o.factor:.10g}                # all values are multiplied by it
 {wall_line}largest_force = {o.force:g}         # newtons on the device where the energy is steepest
-marker = {0.7 * h:.3g}              # radius of the balls that show the HIP and the deepest minima
+marker = {0.7 * h:.3g}              # radius of the ball that shows the HIP; those of the deepest minima have half of it
 
 [grid]
 origin = [{", ".join(f"{v:.10g}" for v in low)}]
