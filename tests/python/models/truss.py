@@ -1,5 +1,5 @@
-"""The model of check-model/mistakes.sh: a truss of two bars, which snaps through. How it is relaxed is a parameter: "relax"
-is hapgrid's relax(), which cannot leap over a barrier, as "leap" does."""
+"""The model of check-model/mistakes.sh and python/scipy.sh: a truss of two bars, which snaps through. How it is relaxed is
+a parameter: "relax" is hapgrid's relax(), which cannot leap over a barrier, as "leap" and SciPy's "BFGS" do."""
 import math
 import hapgrid
 
@@ -46,6 +46,9 @@ class Truss:
     def minimum(self, function, s):
         if self.minimiser == "leap":
             return leap(function, s)
+        if self.minimiser == "BFGS":
+            from scipy.optimize import minimize
+            return list(minimize(function, s, jac=True, method="BFGS", options={"gtol": 1e-7}).x)
         return hapgrid.relax(function, s, step=0.05, tolerance=1e-7)
 
     def convert(self, s, x, d):
