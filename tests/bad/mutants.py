@@ -264,7 +264,7 @@ def all_apps():
     except ImportError as why:
         return print(f"molecule: not installed: {why}")
     for kind in "sdf", "xyz", "mol2", "pdb", "cif":
-        inputs = texts(f"{SOURCE}/tests/cli/molecule/inputs/*.{kind}")
+        inputs = texts(f"{SOURCE}/tests/python/molecules/*.{kind}")
         reads(f"molecule: {kind}", f"m.{kind}", mutants(f"molecule {kind}", inputs, count), lambda path: reading.read(path, None), Failed)
 
 

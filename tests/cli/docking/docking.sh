@@ -123,7 +123,7 @@ sed 's/0.6000/x/' pair.pqr >word.pqr
 refused 'word.pqr: no PQR: an atom has no place or charge' word.pqr "$ligand"
 
 # Files of strangers: one at which Open Babel crashes, and names of what never ends.
-cp "$HAPGRID_SOURCE/tests/cli/molecule/inputs/crash-v3000.sdf" crash.sdf
+cp "$HAPGRID_SOURCE/tests/python/molecules/crash-v3000.sdf" crash.sdf
 refused 'crash.sdf: obabel: ended by SIGSEGV' "$host" crash.sdf
 mkfifo pipe.mol2 usual/pipe
 sed 's|file=host.C.map|file=pipe|' usual/host.maps.fld >usual/pipe.fld
