@@ -71,8 +71,8 @@ class TableModel {
       sphere.radius *= 0.3F;  // the field is felt between the atoms, so they must not hide it
       std::snprintf(sphere.label, sizeof sphere.label, "%s", atom.label.c_str());
     }
-    for (std::size_t m = 0; m < field_.minima().size();
-         ++m)  // the HIP's ball must not vanish in one
+    // The ball at the HIP must not vanish in one that marks a minimum.
+    for (std::size_t m = 0; m < field_.minima().size(); ++m)
       *spheres++ = {static_cast<float>(marker_ / 2), {0.2F, 0.5F, 0.9F}, ""};
   }
 
