@@ -22,6 +22,7 @@ nothing_left . log
 
 seed "$ball" -o seeds
 expand --complete seeds -o grid
+refuses 'plot: grid: a grid, not a session, log or file of frames' -- plot session grid --grid grid -o a.png
 mkdir empty
 for plane in w=0 z z= z=up z=nan z=0,5 =0; do
   refuses "plot: a plane is like y=0\.25, not '$plane'" -- plot slice grid --at "$plane" -o empty/a.png

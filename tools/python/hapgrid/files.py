@@ -79,9 +79,10 @@ def read(path: str | os.PathLike[str], grid: str | os.PathLike[str] | None = Non
             return {"ticks": _text_log(path, file)}
         if MAGIC in start:
             return {"frames": read_frames(path, start + file.read())}
-    if grid is not None:
-        return {"ticks": _replayed(path, os.fspath(grid), allow_process)}
-    return _arrays(path)
+    arrays = _arrays(path)
+    if grid is not None and "ticks" in arrays:
+        return {"ticks": _replayed(path, arrays["ticks"], os.fspath(grid), allow_process)}
+    return arrays
 
 
 def write_vti(grid: str | os.PathLike[str], path: str | os.PathLike[str], level: int = 0) -> None:
@@ -138,10 +139,10 @@ def _arrays(path: str) -> dict[str, Any]:
     return Grid({name: rows[name] for name in rows.dtype.names} | box, known)
 
 
-def _replayed(path: str, grid: str, allow_process: str | os.PathLike[str] | None) -> Any:
+def _replayed(path: str, played: Any, grid: str, allow_process: str | os.PathLike[str] | None) -> Any:
+    """The ticks that were played, with what a replay of the session in `grid` has besides."""
     import numpy
 
-    played = _arrays(path)["ticks"]
     command = [program("play"), grid, "--device", f"replay:{path}", "--log", "-"]
     if allow_process is not None:
         command += ["--allow-process", os.fspath(allow_process)]

@@ -5,8 +5,8 @@ const kTicksASecond = 1000;
 const kLongestPause = 100;  // ticks that are made up for after the browser was busy
 const kRestSeconds = 5;     // of a hand that does nothing: then time stops, and the battery lasts
 const kPathTicks = 600000;  // that are kept to be saved
-const kOfTheHand = "With the hand: and what the hand stores by pulling or pushing; between the grid's points both are " +
-  "interpolated, so this one can be a little lower.";
+const kOfTheHand = "With the hand: the model's energy, and what the hand stores by pulling or pushing. Both numbers are " +
+  "interpolated between the grid's points, so that this one can be a little lower.";
 let lettingGo = false;      // the hand goes where the force leads, until there is none
 let player = null;          // what the player exports, and what this page knows of the play
 
