@@ -73,11 +73,12 @@ class Search:
             raise_if_stopped()
             results = pool.imap(_ask, [(method, kind, value) for value in values])
             for done, value in enumerate(values):
-                result = None
-                while result is None:
+                while True:
+                    tell(done)
                     with suppress(multiprocessing.TimeoutError):
                         result = results.next(0.5)
-                    tell(done + (result is not None))
+                        break
+                tell(done + 1)
                 yield value, result
 
     def result(self, found: list[Path], dropped: list[tuple[str, str]]) -> Result:
