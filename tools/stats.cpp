@@ -6,7 +6,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -103,6 +105,13 @@ bool is_text_log(const InputFile& file) {
   return std::memcmp(start.data(), "# t\t", start.size()) == 0;
 }
 
+/// Whether the scene's magic number is where frames have it.
+bool is_frames(const InputFile& file) {
+  std::array<char, 64> start{};
+  file.read(0, std::as_writable_bytes(std::span(start)));
+  return std::string_view(start.data(), start.size()).find("fdirgpah") != std::string_view::npos;
+}
+
 void show_grid(const Options& options, const Section& section) {
   if (!options.get.empty())
     if (const auto value = value_from_footer(options.get, section))
@@ -126,6 +135,13 @@ int run(const Options& options) {
         format("{}: a text log of play: hapgrid plot draws it; play --log FILE.session "
                "writes what stats reads",
                file.name()));
+  if (is_frames(file)) {
+    if (options.npy.empty())
+      throw Error(
+          format("{}: are frames, which view shows; --npy makes an array of them", file.name()));
+    write_frames_array(SceneReader(options.file), options.npy);
+    return kExitDone;
+  }
   if (!is_session(file)) {
     show_grid(options, open_grid(std::make_shared<const InputFile>(std::move(file))));
     return kExitDone;
@@ -144,7 +160,7 @@ int main(int argc, char** argv) {
       "happened in a play, from its session.");
   Options options;
   app.add("file", options.file,
-          "Grid, or session that play --log wrote, to read ('-' or none: standard input)")
+          "Grid, or session or frames that play wrote, to read ('-' or none: standard input)")
       .type("FILE");
   app.group("A grid");
   app.add("--cost", options.costs,
@@ -161,8 +177,8 @@ int main(int argc, char** argv) {
       .one_of({"text", "json"})
       .shows_default();
   app.add("--npy", options.npy,
-          "Array to write for numpy, of a grid's records or a session's ticks ('-': standard "
-          "output).")
+          "Array to write for numpy, of a grid's records, a session's ticks or the frames of play "
+          "('-': standard output).")
       .type("FILE")
       .goes_with({"file"});
   add_output(app, options.output);

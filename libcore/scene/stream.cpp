@@ -13,7 +13,6 @@
 #include <utility>
 
 #include "frame.capnp.h"
-#include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
 #include "libcore/base/message.hpp"
 #include "libcore/grid/box_message.hpp"
@@ -193,6 +192,10 @@ void SceneReader::fail(const std::string& what) const {
   throw FormatError(format("{}: byte {}: {}", name_, message_start_, what));
 }
 
+void SceneReader::fail_cut() const {
+  throw CutError(format("{}: byte {}: truncated: a message is cut", name_, message_start_));
+}
+
 template <class Use>
 void SceneReader::decode(Use&& use) const {
   try {
@@ -266,15 +269,14 @@ bool SceneReader::read(std::byte* to, std::size_t size) {
   }
   bytes_read_ += done;
   if (done == 0 && size > 0) return false;
-  if (done < size) fail("truncated: a message is cut");
+  if (done < size) fail_cut();
   return true;
 }
 
 bool SceneReader::read_words(std::uint64_t limit) {
   message_start_ = bytes_read_;
   const auto rest = [&](std::uint64_t* to, std::size_t words) {
-    if (!read(reinterpret_cast<std::byte*>(to), words * sizeof *to))
-      fail("truncated: a message is cut");
+    if (!read(reinterpret_cast<std::byte*>(to), words * sizeof *to)) fail_cut();
   };
   // The segment table, in halves of words filled up to whole ones: the count less one, then how
   // many words each segment has.

@@ -7,11 +7,18 @@
 #include <string>
 #include <vector>
 
+#include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
 #include "libcore/base/zstd_frame.hpp"
 #include "libcore/scene/scene.hpp"
 
 namespace hapgrid {
+
+/// The stream ends inside a message: play may have been stopped there.
+class CutError : public FormatError {
+ public:
+  using FormatError::FormatError;
+};
 
 /// Makes messages. It allocates for the first message of a size, and keeps that memory.
 class SceneEncoder {
@@ -47,7 +54,8 @@ class SceneReader {
 
   /// The next frame; false where the stream ends behind a whole message. Every frame has the
   /// scene's sizes, a finite time, and a tick above the one before.
-  /// @throw std::system_error; FormatError "NAME: byte N: ...", the byte where the message starts.
+  /// @throw std::system_error; FormatError "NAME: byte N: ...", the byte where the message starts;
+  /// CutError where it is cut.
   bool next(Frame& frame);
 
   /// From now on a read that waits is given up once `fd` is readable, as if the stream ended there.
@@ -63,6 +71,7 @@ class SceneReader {
   template <class Use>
   void decode(Use&& use) const;
   [[noreturn]] void fail(const std::string& what) const;
+  [[noreturn]] void fail_cut() const;
 
   std::string name_;
   FileDescriptor owned_;

@@ -46,7 +46,7 @@ def test_session_and_log(played, run):
         assert (got["state"] == text[:, 18:20]).all() and (got["energy"] == text[:, 20]).all()
 
 
-def test_frames(played):
+def test_frames(played, run):
     log, frames = hapgrid.read("a.log")["ticks"], hapgrid.read("a.frames")["frames"]
     assert len(frames) >= 1 and (frames["hip"][-1] == [0.5, 0.5, 0.5]).all() and (frames["position"] == frames["hip"]).all()
     last = frames[-1]
@@ -54,6 +54,11 @@ def test_frames(played):
     assert last["shape"].shape == (2, 3) and np.isnan(last["own_energy"]) and np.isnan(last["hand"]).all()
     assert (last["sent"] == log["sent"][-1]).all()
     assert np.abs(last["shape"] - [[*last["state"], 0], last["hip"]]).max() < 1e-6  # floats below 1
+    run("stats", "a.frames", "--npy", "a.npy")
+    assert (np.load("a.npy")["radius"] == np.float32(0.1)).all()
+    pathlib.Path("cut.frames").write_bytes(pathlib.Path("a.frames").read_bytes()[:-1])  # as when play was stopped
+    cut = hapgrid.read("cut.frames")["frames"]
+    assert cut.dtype == frames.dtype and cut.tobytes() == frames[:-1].tobytes()
 
 
 def test_a_session_is_as_it_was_played_and_a_replay_without_the_model_is_told(run):
@@ -79,7 +84,7 @@ def test_damaged_files(played):
         "empty": b"",
         "cut.session": pathlib.Path("a.session").read_bytes()[:-20],
         "text": b"# i j k\n",
-        "cut.frames": pathlib.Path("a.frames").read_bytes() + b"\377" * 100,  # no message begins so
+        "bad.frames": pathlib.Path("a.frames").read_bytes() + b"\377" * 100,  # no message begins so
         "bad.log": re.sub(b"(?m)^([^#\t]*)\t", b"\\1\tx", pathlib.Path("a.log").read_bytes()),
     }
     for name, data in damaged.items():
@@ -87,7 +92,7 @@ def test_damaged_files(played):
     for name, error, words in (
         ("gone", FileNotFoundError, "gone"), ("cut", ValueError, "cut: stats: "), ("empty", ValueError, "empty: stats: "),
         ("cut.session", ValueError, "a session without a tick, which ended early"), ("text", ValueError, "text: stats: "),
-        ("cut.frames", ValueError, "cut.frames: damaged frames"), ("bad.log", ValueError, "bad.log: not a log of play"),
+        ("bad.frames", ValueError, "bad.frames: stats: standard input: byte "), ("bad.log", ValueError, "bad.log: not a log of play"),
     ):
         with pytest.raises(error) as why:
             hapgrid.read(name)

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from hapgrid.apps.common import sandbox
 from hapgrid.apps.common.files import Failed
-from hapgrid.apps.molecule import geometry, molecule, reading, stereo
+from hapgrid.apps.molecule import geometry, molecule, page, reading, stereo
 from hapgrid.apps.molecule.elements import SYMBOLS
 from openbabel import openbabel
 from rdkit import Chem
@@ -37,6 +37,10 @@ def is_sound(one):
     for a, near in enumerate(one.neighbours):
         bonded[a, near] = True
     return 0.6 < d[bonded].min() and d[bonded].max() < 2.4 and d[~bonded].min() > 1.2
+
+
+def test_the_formula_of_a_page_is_without_the_charge():
+    assert page.formula(reading.read(None, "CC(=O)[O-]").formula) == "C<sub>2</sub>H<sub>3</sub>O<sub>2</sub>"
 
 
 def test_each_file_has_a_row():

@@ -102,4 +102,36 @@ void write_session_array(SessionReader& session, std::uint64_t count, const std:
   file.commit();
 }
 
+void write_frames_array(SceneReader reader, const std::string& name) {
+  std::vector<Frame> frames;
+  try {
+    for (Frame frame; reader.next(frame);) frames.push_back(frame);
+  } catch (const CutError&) {  // play was stopped there
+  }
+  const Scene& scene = reader.scene();
+  std::vector<float> radii;
+  for (const Sphere& sphere : scene.spheres) radii.push_back(sphere.radius);
+  NpyFile file(
+      name,
+      format("('t', '<f8'), ('tick', '<u8'), ('hip', '<f8', (3,)), ('position', '<f8', (3,)), "
+             "('sent', '<f8', (3,)), ('energy', '<f8'), ('state', '<f8', ({},)), "
+             "('shape', '<f4', ({}, 3)), ('radius', '<f4', ({},)), ('jumps', '<u8'), "
+             "('own_energy', '<f8'), ('hand', '<f8', (3,))",
+             scene.state_size, radii.size(), radii.size()),
+      frames.size());
+  for (const Frame& frame : frames) {
+    file.add(frame.time_s);
+    file.add(frame.tick);
+    for (const Vec3& v : {frame.hip, frame.position, frame.force}) file.add(v.data(), 3);
+    file.add(frame.energy);
+    file.add(frame.row.data(), frame.row.size());
+    file.add(frame.centres.data(), frame.centres.size());
+    file.add(radii.data(), radii.size());
+    file.add(frame.jumps);
+    file.add(frame.own_energy);
+    file.add(frame.hand.data(), 3);
+  }
+  file.commit();
+}
+
 }  // namespace hapgrid

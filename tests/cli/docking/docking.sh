@@ -7,7 +7,7 @@ needs autogrid4 autogrid
 needs obabel openbabel
 needs vina autodock-vina
 needs node nodejs
-needs_python scipy python3-scipy
+needs_python "jinja2, scipy" "python3-jinja2, python3-scipy"
 refused() { refuses "dock: $1" -- timeout 60 hapgrid dock "${@:2}" -o out -q; } # REGEX HOST LIGAND OPTION...
 host=$HAPGRID_SOURCE/examples/docking/calix.mol2 ligand=$HAPGRID_SOURCE/examples/docking/formamide.mol2
 

@@ -1,7 +1,7 @@
 # `hapgrid dock` with hosts and ligands as files of other programs have them: what is left out, said and refused.
 source "$(dirname "$0")/../lib.sh"
 needs obabel openbabel
-needs_python scipy python3-scipy
+needs_python "jinja2, scipy" "python3-jinja2, python3-scipy"
 host=$HAPGRID_SOURCE/examples/docking/calix.mol2 ligand=$HAPGRID_SOURCE/examples/docking/formamide.mol2
 near=(--centre '0,0,4' --size '1,1,1')
 

@@ -100,7 +100,7 @@ for text in '3\n\nH 0 0 1\nQq 0 0 0\nN 0 0 -1\n' '3\n\nH 0 0\n'; do damaged conf
 
 # What a killed command leaves is removed by the next one.
 mkdir renamed/.work/.single-x
-touch renamed/.way-3.{txt,log} renamed/.work/.single-x/node.xyz renamed/.choice.toml renamed/.room.npy renamed/verify.txt.new.123 renamed/.hapgrid.aB3x9_
+touch renamed/.way-3.{txt,log} renamed/.work/.single-x/node.xyz renamed/.selection.toml renamed/.room.npy renamed/verify.txt.new.123 renamed/.hapgrid.aB3x9_
 feel renamed >/dev/null
 nothing_left renamed .work $(cd twice && ls)
 [[ ! -e renamed/.work/.single-x ]] || fail "a single point's folder is left"

@@ -3,8 +3,8 @@
 sanitized && skip "nothing in it has sanitizers"
 needs xtb xtb
 # The system's Python, as hapgrid molecule starts it.
-/usr/bin/python3 -c 'import rdkit, scipy' 2>/dev/null ||
-  { missing "python3-rdkit or python3-scipy"; exit 77; }
+/usr/bin/python3 -c 'import jinja2, rdkit, scipy' 2>/dev/null ||
+  { missing "python3-jinja2, python3-rdkit or python3-scipy"; exit 77; }
 /usr/bin/python3 -c 'import ctypes; ctypes.CDLL("libxtb.so.6")' 2>/dev/null ||
   { missing libxtb6; exit 77; }
 export OMP_NUM_THREADS=1

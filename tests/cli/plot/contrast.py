@@ -43,7 +43,7 @@ for plot in plots:
     # The rims of markers and legends are white, and so is the frame of a picture.
     check(plot, set(re.findall(rf"stroke: ({HEX})", svg)) - {"#ffffff"}, LINE)
     check(plot, re.findall(rf"<text[^>]*fill: ({HEX})", svg), TEXT)
-for name in ("tools/view/page/page.html", *(f"tools/python/hapgrid/apps/{one}" for one in ("molecule/page.html", "table/page.py"))):
+for name in ("tools/view/page/page.html", "tools/python/hapgrid/apps/common/page.html"):
     with open(f"{source}/{name}", encoding="utf-8") as file:
         rules = re.findall(r"([\w-]+): *([^;}\n]+)", file.read())
     check(name, [colour for key, value in rules if key.startswith("border") for colour in re.findall(HEX, value)], LINE)
@@ -58,4 +58,4 @@ texts = {key for key in data if key.endswith("_colour")} - {"hand_colour"} | {"i
 check(page, [data[key] for key in texts], TEXT)
 box = "rgb({} {} {})".format(*(255 * x for x in data["light"]["box_rgb"]))
 check(page, [data["hand_colour"], box], LINE)
-assert len(texts) == 4 and len(set(seen)) == len(plots) + 5, (texts, set(seen))
+assert len(texts) == 4 and len(set(seen)) == len(plots) + 4, (texts, set(seen))

@@ -30,7 +30,7 @@ PYTHON
 
 # A session's ticks.
 printf '%s\n' '-0.7 0.1 0' '-0.5 0.1 0.1' '-0.3 0.1 0.1' >path
-play grid --device path:path --log a.session 2>/dev/null
+play grid --device path:path --log a.session --frames a.frames 2>/dev/null
 python3 "$here/session.py" text a.session >text
 stats a.session --npy ticks.npy
 /usr/bin/python3 - <<'PYTHON'
@@ -48,6 +48,11 @@ refuses 'stats: .*No space left on device' -- stats grid --npy /dev/full
 head -c 300 grid >cut
 refuses 'stats: cut: .*' -- stats cut --npy cut.npy
 [[ ! -e cut.npy && ! -e a ]] || fail "a file was left"
+
+# Frames, whose numbers are in tests/python/test_read.py.
+stats a.frames --npy frames.npy
+stats --npy - <a.frames | cmp - frames.npy
+refuses 'stats: a\.frames: are frames, which view shows; --npy makes an array of them' -- stats a.frames
 
 # An image for ParaView: its library reads it.
 /usr/bin/python3 -c 'import vtk' 2>/dev/null || { missing python3-vtk9; exit 0; }

@@ -1,6 +1,6 @@
 # What `hapgrid table` refuses is one line.
 source "$(dirname "$0")/../lib.sh"
-needs_python numpy python3-numpy
+needs_python "jinja2, matplotlib" "python3-jinja2, python3-matplotlib"
 
 printf '%s\n' 'GRID_PARAMETER_FILE x' 'GRID_DATA_FILE x' 'MACROMOLECULE x' 'SPACING 0.5' 'NELEMENTS 4 4 4' 'CENTER 1 2 3' >good.map
 seq 125 >>good.map

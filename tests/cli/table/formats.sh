@@ -5,7 +5,7 @@ source "$(dirname "$0")/../lib.sh"
 needs autogrid4 autogrid
 needs apbs apbs
 needs obabel openbabel
-needs_python "ase, gridData, scipy, vtkmodules" "python3-ase, python3-mdanalysis, python3-scipy, python3-vtk9"
+needs_python "ase, gridData, jinja2, scipy, vtkmodules" "python3-ase, python3-jinja2, python3-mdanalysis, python3-scipy, python3-vtk9"
 
 # AutoGrid's maps of formaldehyde.
 cat >host.pdb <<'PDB'

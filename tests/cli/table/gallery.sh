@@ -1,6 +1,6 @@
 # examples/gallery: pages that play their grids, pictures and an index, which load nothing from elsewhere.
 source "$(dirname "$0")/../lib.sh"
-needs_python matplotlib python3-matplotlib
+needs_python "jinja2, matplotlib" "python3-jinja2, python3-matplotlib"
 eval "$(hapgrid env)"
 expect 1 '' '~usage: gallery FOLDER|Makes a folder of pages .*' -- "$HAPGRID_SOURCE/examples/gallery" pages nonsense
 "$HAPGRID_SOURCE/examples/gallery" pages orbital butane >said 2>err || fail "$(cat err)"

@@ -1,6 +1,6 @@
 # Tables as other programs write them: what is taken, what is said of it, and what the values are then.
 source "$(dirname "$0")/../lib.sh"
-needs_python "mrcfile, vtkmodules" "python3-mrcfile, python3-vtk9"
+needs_python "jinja2, mrcfile, vtkmodules" "python3-jinja2, python3-mrcfile, python3-vtk9"
 
 /usr/bin/python3 - <<'PYTHON'
 import mrcfile

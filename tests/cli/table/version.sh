@@ -1,6 +1,6 @@
 # A step of a command that makes grids is computed anew by another hapgrid: one whose filters or sources have changed.
 source "$(dirname "$0")/../lib.sh"
-needs_python "rdkit, scipy" "python3-rdkit, python3-scipy"
+needs_python "jinja2, rdkit, scipy" "python3-jinja2, python3-rdkit, python3-scipy"
 /usr/bin/python3 -c 'import ctypes; ctypes.CDLL("libxtb.so.6")' 2>/dev/null || { missing libxtb6; exit 77; }
 
 cp -r "$HAPGRID_BUILD/python" copy

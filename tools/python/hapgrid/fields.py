@@ -4,10 +4,10 @@ from __future__ import annotations
 import io
 import os
 import subprocess
+import tempfile
 from typing import Any
 
-from hapgrid.files import program
-from hapgrid.frames import read_frames, read_spheres
+from hapgrid.files import array_of, program
 from hapgrid.quantities import AXES, plane_arrays, plane_name, report
 from hapgrid.style import ENERGY, FORCE, GREY, figure, house_style, label, plain, sign
 
@@ -83,9 +83,12 @@ def _played(grid: Any, rows: Any, option: str) -> bytes:
 
 def _cut(frames: bytes, axis: int, height: float) -> Any:
     """(centre, radius of the circle) of each sphere that a plane cuts, in the first of these frames."""
-    shapes, spheres = read_frames("frames", frames)["shape"], read_spheres("frames", frames)
+    with tempfile.TemporaryFile() as file:
+        file.write(frames)
+        file.seek(0)
+        first = array_of("frames", stdin=file)[:1]
     found = []
-    for centre, (radius, *_) in zip(shapes[0] if len(shapes) else (), spheres):
+    for centre, radius in zip(first["shape"].reshape(-1, 3), first["radius"].ravel()):
         part = radius**2 - (centre[axis] - height)**2
         if part > 0:
             found.append((centre, part**0.5))

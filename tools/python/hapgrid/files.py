@@ -9,8 +9,6 @@ import warnings
 from pathlib import Path
 from typing import IO, Any
 
-from hapgrid.frames import MAGIC, read_frames
-
 COLUMNS = 10  # of a text log before the levels: t, the HIP, the model's force and the one that was sent
 FILTERS = str(Path(__file__).resolve().parents[2] / "bin")  # their folder lies beside that of this package
 
@@ -74,11 +72,8 @@ def read(path: str | os.PathLike[str], grid: str | os.PathLike[str] | None = Non
     """
     path = os.fspath(path)
     with open(path, "rb") as file:
-        start = file.read(64)
-        if start.startswith(b"# t\t"):
+        if file.read(4) == b"# t\t":
             return {"ticks": _text_log(path, file)}
-        if MAGIC in start:
-            return {"frames": read_frames(path, start + file.read())}
     arrays = _arrays(path)
     if grid is not None and "ticks" in arrays:
         return {"ticks": _replayed(path, arrays["ticks"], os.fspath(grid), allow_process)}
@@ -123,14 +118,24 @@ def write_vti(grid: str | os.PathLike[str], path: str | os.PathLike[str], level:
         file.write(b"</AppendedData></VTKFile>")
 
 
-def _arrays(path: str) -> dict[str, Any]:
+def array_of(path: str, **given: Any) -> Any:
+    """The array that stats makes of what it reads. given: its standard input, as subprocess.run has it. Errors: ValueError."""
     import numpy
 
-    with open(path, "rb") as file:
-        result = subprocess.run([program("stats"), "--npy", "-"], stdin=file, capture_output=True, check=False)
+    result = subprocess.run([program("stats"), "--npy", "-"], capture_output=True, check=False, **given)
     if result.returncode != 0:
         raise ValueError(f"{path}: {result.stderr.decode(errors='replace').strip()}")
-    rows = numpy.load(io.BytesIO(result.stdout))
+    return numpy.load(io.BytesIO(result.stdout))
+
+
+def _arrays(path: str) -> dict[str, Any]:
+    import numpy
+    from numpy.lib.recfunctions import drop_fields
+
+    with open(path, "rb") as file:
+        rows = array_of(path, stdin=file)
+    if "tick" in rows.dtype.names:
+        return {"frames": drop_fields(rows, "radius")}
     if "t" in rows.dtype.names:
         return {"ticks": rows}
     words = [program("stats"), os.path.abspath(path), "--format", "json"]

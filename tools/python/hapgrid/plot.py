@@ -114,8 +114,8 @@ def columns(files: Files, x: str, y: str, *, grid: Name | None = None, allow_pro
             for number, (_, said) in enumerate(wanted if len(wanted) > 1 else []):
                 axes.plot([], [], color=GREY, linestyle=DOTTED if number else "-", label=said)
         if len(plays) > 1 and any(x != "t" and turn(play.column(x)) < len(play.ticks) - 1 for play in plays):
-            for style, way in (("-", "there"), (DASHED, "back")):
-                axes.plot([], [], color=GREY, linestyle=style, label=way)
+            for style, said in (("-", "there"), (DASHED, "back")):
+                axes.plot([], [], color=GREY, linestyle=style, label=said)
         if any(len(play.snaps()) for play in plays):
             axes.plot([], [], color=GREY, label="the model snaps", **SNAP_MARK)
         _limits_of(axes, every)
@@ -157,11 +157,11 @@ def _curve(axes: Any, x: Any, y: Any, snaps: Any, name: str | None, colours: Seq
     back = len(x) - 1 if over == "t" else turn(x)
     whole = back == len(x) - 1
     snaps = [int(k) for k in snaps if 0 < k < len(x)]
-    ways = [(0, back + 1, "there")] + ([] if whole else [(back, len(x), "back")])
-    for (begin, end, way), colour, style in zip(ways, colours, styles):
+    halves = [(0, back + 1, "there")] + ([] if whole else [(back, len(x), "back")])
+    for (begin, end, half), colour, style in zip(halves, colours, styles):
         inside = [k for k in snaps if begin < k < end]
         at = [k - begin for k in inside]
-        said = None if name is None else name if way == "there" and name else "" if whole or name else way
+        said = None if name is None else name if half == "there" and name else "" if whole or name else half
         axes.plot(numpy.insert(x[begin:end], at, numpy.nan), numpy.insert(y[begin:end], at, numpy.nan), color=colour, linestyle=style,
                   label=said or None)
         for k in inside[:MOST_SNAPS]:

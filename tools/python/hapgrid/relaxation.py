@@ -77,7 +77,7 @@ def relax(energy_and_gradient: Callable[[Any], tuple[float, Any]] | Any, s: Any 
 
 
 class _Trial:
-    """A place at `part` of the way p, seen from where the way begins."""
+    """A place at `part` of the step p, seen from where the step begins."""
 
     def __init__(self, descent: _Descent, p: Sequence[float], part: float) -> None:
         self.part, self.reach = part, part * _longest(p)
@@ -264,28 +264,28 @@ class _Descent:
         known: Known = []  # directions, as the curvature makes them independent of each other: w, H w and 1 / (w H w)
         fixed = [2 * ((i + 1) * GOLDEN % 1) - 1 for i in range(len(self.place))]
         for moved, turned, _ in reversed(self.pairs):
-            way, turned = _conjugate(known, moved, turned)
-            if _dot(way, way) > 1e-6 * _dot(moved, moved):  # not one that is known already
-                _add(known, way, turned)
-        way = fixed
+            direction, turned = _conjugate(known, moved, turned)
+            if _dot(direction, direction) > 1e-6 * _dot(moved, moved):  # not one that is known already
+                _add(known, direction, turned)
+        direction = fixed
         for _ in range(min(PROBES, len(self.place) - len(known))):
-            way = _conjugate(known, way)[0]
-            longest = _longest(way)
+            direction = _conjugate(known, direction)[0]
+            longest = _longest(direction)
             if not longest > 0:
                 break
-            size = math.copysign(NEAR * self.step / longest, _dot(way, fixed))
-            way = [size * a for a in way]
-            trial = _Trial(self, way, 1.0)
+            size = math.copysign(NEAR * self.step / longest, _dot(direction, fixed))
+            direction = [size * a for a in direction]
+            trial = _Trial(self, direction, 1.0)
             turned = [a - b for a, b in zip(trial.gradient, self.gradient)]
-            if trial.behind < trial.slope and self.goes_along(way, trial):
+            if trial.behind < trial.slope and self.goes_along(direction, trial):
                 return True
-            if not _add(known, way, turned):
+            if not _add(known, direction, turned):
                 break
-            way = turned
+            direction = turned
         return False
 
-    def goes_along(self, way: list[float], trial: _Trial) -> bool:
-        """Whether the slope becomes larger than the tolerance along a way on which it falls ever more steeply."""
+    def goes_along(self, direction: list[float], trial: _Trial) -> bool:
+        """Whether the slope becomes larger than the tolerance along a direction in which it falls ever more steeply."""
         steepest = trial.slope
         while trial.behind < steepest and trial.reach <= self.step:
             if trial.behind < 0 and _longest(trial.gradient) > self.tolerance:
@@ -293,29 +293,29 @@ class _Descent:
                 self.take(trial)
                 return True
             steepest = trial.behind
-            trial = _Trial(self, way, 2 * trial.part)
+            trial = _Trial(self, direction, 2 * trial.part)
         return False
 
 
-def _conjugate(known: Known, way: list[float], turned: list[float] | None = None) -> tuple[list[float], Any]:
-    """`way`, and H way where it is given, without what is known already."""
+def _conjugate(known: Known, direction: list[float], turned: list[float] | None = None) -> tuple[list[float], Any]:
+    """`direction`, and `turned`, which is H times it, where that is given, without what is known already."""
     for w, hw, scale in known:
-        weight = scale * _dot(hw, way)
-        way = [a - weight * b for a, b in zip(way, w)]
+        weight = scale * _dot(hw, direction)
+        direction = [a - weight * b for a, b in zip(direction, w)]
         turned = turned and [a - weight * b for a, b in zip(turned, hw)]
-    return way, turned
+    return direction, turned
 
 
-def _add(known: Known, way: list[float], turned: list[float]) -> bool:
-    product = _dot(way, turned)
-    if not product > 1e-10 * math.sqrt(_dot(way, way) * _dot(turned, turned)):
+def _add(known: Known, direction: list[float], turned: list[float]) -> bool:
+    product = _dot(direction, turned)
+    if not product > 1e-10 * math.sqrt(_dot(direction, direction) * _dot(turned, turned)):
         return False
-    known.append((way, turned, 1 / product))
+    known.append((direction, turned, 1 / product))
     return True
 
 
-def _longest(way: Sequence[float]) -> float:
-    return max((abs(a) for a in way), default=0.0)
+def _longest(vector: Sequence[float]) -> float:
+    return max((abs(a) for a in vector), default=0.0)
 
 
 def _dot(a: Sequence[float], b: Sequence[float]) -> float:

@@ -35,6 +35,6 @@ def look_for(command: str, arguments: Sequence[str], modules: Sequence[str], lib
     if missing:
         several = len(missing) > 1
         by_pip = [name for name in missing if name in packages]
-        way = f", or {' '.join(by_pip)} by pip install 'hapgrid[{command}]'" if by_pip else ""
+        by_extra = f", or {' '.join(by_pip)} by pip install 'hapgrid[{command}]'" if by_pip else ""
         sys.exit(f"{command}: {', '.join(missing)} {'are' if several else 'is'} missing: install the Debian "
-                 f"package{'s' if several else ''} {' '.join(missing.values())}{way}")
+                 f"package{'s' if several else ''} {' '.join(missing.values())}{by_extra}")

@@ -34,7 +34,7 @@ Value = TypeVar("Value")
 Answer = TypeVar("Answer")
 
 # What a command that was killed leaves behind, its own and its filters' files.
-UNFINISHED = re.compile(r"\.(choice|room|way-|single-|records\.|hapgrid\.).*|.*\.new\.\d+")
+UNFINISHED = re.compile(r"\.(selection|room|way-|single-|records\.|hapgrid\.).*|.*\.new\.\d+")
 MOST_KEPT = 64 << 20  # bytes of a file of .work
 
 

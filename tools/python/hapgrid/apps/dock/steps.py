@@ -9,10 +9,10 @@ from argparse import Namespace
 from typing import Any
 
 import numpy as np
-from hapgrid.apps.common import grid as grids
+from hapgrid.apps.common import grid as grids, page
 from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import Failed, digest, pieces, remove
-from hapgrid.apps.table import page, readers
+from hapgrid.apps.table import readers
 from hapgrid.apps.table.steps import table_text
 from hapgrid.apps.table.work import Work, run_steps
 from scipy.interpolate import CubicSpline
@@ -174,7 +174,7 @@ def _page(work: Work, name: str) -> list[str]:
     counts = np.array(report["box"]["counts"])
     records = grids.records(work, grid)
     points, energy, state, links = records["point"].astype(int), records["energy"], records["state"], records["destination"]
-    ends = [origin + spacing * end for end in _way(points, energy, links, counts)]
+    ends = [origin + spacing * end for end in _line(points, energy, links, counts)]
     work.write("path.txt", page.path_text(ends, "angstrom", TICKS))
     poses = _poses(points, energy, state)
     rows = [(energy[n], *(origin + spacing * points[n]), *state[n]) for n in poses]
@@ -186,24 +186,15 @@ def _page(work: Work, name: str) -> list[str]:
     edge = ((deepest == 0) | (deepest == counts - 1)).any()
     if edge:
         work.say("  the deepest pose lies on the edge of the box, so deeper ones may lie outside: see --size and --centre")
-    made = ["path.txt", "poses.tsv", *page.along(work, grid)]
+    made = ["path.txt", "poses.tsv", *page.play(work, grid)]
     for picture, at in (("outside.png", 0.0), ("inside.png", TICKS / 1000)):
         work.run("view", "played.frames", "--at", at, "--png", picture)
         made.append(picture)
-    levels = report["average_levels"]
-    table = "".join("<tr>" + "".join(f"<td>{v:.2f}" for v in row[:4]) for row in rows)
-    made += page.write_frame(work, name, f"""<p>The hand holds the ligand's centre, and the ligand turns by itself. A place has
-{levels:.2f} orientations on average, {len(report["levels_histogram"]) - 1} at most.
-<iframe src="played.html" title="the ligand on its way"></iframe>
-<h2>The way in and back</h2>
-<img src="outside.png" alt="outside"> <img src="inside.png" alt="inside">
-<h2>The deepest poses</h2>
-{"<p>The deepest one lies on the edge of the box, so deeper ones may lie outside." if edge else ""}
-<table><tr><th>energy / (kJ/mol)<th>x / Å<th>y / Å<th>z / Å{table}</table>""")
-    return made
+    levels = {"on average": f"{report['average_levels']:.2f}", "at most": len(report["levels_histogram"]) - 1}
+    return [*made, *page.write(work, "dock/page.html", facts=levels, at_edge=edge, poses=[row[:4] for row in rows])]
 
 
-def _way(points: Array, energy: Array, links: Array, counts: Array) -> tuple[Array, Array]:
+def _line(points: Array, energy: Array, links: Array, counts: Array) -> tuple[Array, Array]:
     """(start, end): from the box's edge straight towards the point of the deepest record, as far as the energy falls. Of the
     directions in which the links from the start's first level lead about as deep, it is one that climbs little and falls
     far, and along an axis rather than not, since the grid knows the energy best along its edges."""
@@ -211,7 +202,7 @@ def _way(points: Array, energy: Array, links: Array, counts: Array) -> tuple[Arr
     for n, point in enumerate(map(tuple, points)):
         first.setdefault(point, n)
     deepest = points[energy.argmin()]
-    ways = []
+    lines = []
     for q, step in enumerate(STEPS):
         at = deepest
         while ((at - step >= 0) & (at - step < counts)).all():
@@ -228,11 +219,11 @@ def _way(points: Array, energy: Array, links: Array, counts: Array) -> tuple[Arr
         most = max(along[:end + 1])
         if end > 0:
             climbs, falls = most - min(along[0], 0), along[end] - min(along[0], 0)
-            ways.append((along[end], (round(climbs / 5), round(falls / 5), np.abs(step).sum(), most), start, start + end * step))
-    if not ways:  # the energy rises on all of them
+            lines.append((along[end], (round(climbs / 5), round(falls / 5), np.abs(step).sum(), most), start, start + end * step))
+    if not lines:  # the energy rises on all of them
         return deepest, deepest
-    deep = min(way[0] for way in ways)
-    return min((way for way in ways if way[0] <= deep + abs(deep) / 4), key=lambda way: way[1])[2:]
+    deep = min(line[0] for line in lines)
+    return min((line for line in lines if line[0] <= deep + abs(deep) / 4), key=lambda line: line[1])[2:]
 
 
 def _poses(points: Array, energy: Array, state: Array, most: int = 10, apart: float = 1.0) -> list[int]:

@@ -13,7 +13,7 @@ single_points (energies by other programs), xyz and files (what is written).
 A grid is made: path_selection (the softest paths that are sane together), stiffness (of the anchors), definition (box and
 MODEL.toml), resolution (the spacing).
 
-The probe's way: probe_lines (turns a torsion, or leads over a barrier), page (page.html is its frame).
+The probe's way: probe_lines (turns a torsion, or leads over a barrier), page (page.html is its template).
 """
 
 import os

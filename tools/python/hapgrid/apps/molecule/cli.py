@@ -22,7 +22,7 @@ depends on it. DIR can be renamed and copied. The steps are:
 
   molecule     The file is read; hydrogens and a shape are added if missing.
   structures   xtb finds the conformation and the barriers around the bonds.
-  choice       The lowest barriers are chosen whose paths can be combined
+  selection    The lowest barriers are taken whose paths can be combined
                without colliding atoms.
   resolution   A coarse grid shows the box and the spacing that are needed.
   grid         The grid is computed and verified.
@@ -128,7 +128,7 @@ def _options(arguments: Sequence[str]) -> Namespace:
         raise UsageError("--path: the bonds of GFN-FF cannot change (see --help)")
     if o.push and (o.hold is not None or o.soft):
         raise UsageError("--push: the hand holds no atom (see --help)")
-    o.beyond = o.basins or not o.push  # whether paths go on behind their barriers
+    o.goes_on = o.basins or not o.push  # whether paths go on behind their barriers
     return o
 
 

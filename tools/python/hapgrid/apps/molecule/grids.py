@@ -82,7 +82,7 @@ def make_grid(start: Start, shapes: Result) -> Definition:
     if by_hand:
         folder.say(f"{toml} was changed by hand: it is kept")
     o = start.options
-    key = [folder.digest("report.tsv"), o.beyond, o.push, o.hold, o.soft, o.spacing]
+    key = [folder.digest("report.tsv"), o.goes_on, o.push, o.hold, o.soft, o.spacing]
     remedies = Remedies.of(folder.recall("remedies", key))
     while True:
         one, fault = (Definition(name, paths_of(folder.path(toml))), None) if by_hand else planned(start, shapes, remedies)
@@ -144,7 +144,7 @@ def planned(start: Start, shapes: Result, remedies: Remedies) -> tuple[Definitio
     if not paths:
         hold = None
     corners = holding.box(shapes, hold, paths) if hold else None
-    one = Definition.around(start.molecule, shapes, paths, o.beyond, o.spacing or 0.0, remedies.sides, corners)
+    one = Definition.around(start.molecule, shapes, paths, o.goes_on, o.spacing or 0.0, remedies.sides, corners)
     one.torsions = start.turned_by(paths)
     if hold is None:
         one.stiffness = stiffness_of(start, shapes, paths, remedies.softer)
@@ -172,7 +172,7 @@ def planned(start: Start, shapes: Result, remedies: Remedies) -> tuple[Definitio
 
 def stiffness_of(start: Start, shapes: Result, paths: Sequence[str], softer: int) -> stiffness.Stiffness:
     folder = start.folder
-    if not paths or start.options.beyond:
+    if not paths or start.options.goes_on:
         return stiffness.Stiffness()
 
     def compute() -> tuple[float, ...]:

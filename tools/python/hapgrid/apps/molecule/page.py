@@ -1,18 +1,18 @@
-"""The play along the way, and the page that sums up. Names and texts in it may come from anybody; none of them is trusted."""
+"""The play along the hand's path, and the page that sums up."""
 
 from __future__ import annotations
 
-import html
 import json
 import math
 import re
-import shlex
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from hapgrid.apps.common import page
 from hapgrid.apps.common.arrays import Neighbours
 from hapgrid.apps.common.work import Work
+from markupsafe import Markup
 from rdkit import Chem
 
 from . import files, geometry, path_selection, rotors
@@ -29,23 +29,15 @@ if TYPE_CHECKING:
 
 ALL_BONDS = 4 | 8  # of RDKit: bonds between all atoms, each once
 METHODS = {"gfn2": "GFN2-xTB", "gfnff": "GFN-FF"}
-FEEL = """<p><a href="feel.html">Move the molecule with the mouse or a finger</a>: this page needs neither hapgrid nor a
-network, and can be sent to others."""
-OFTEN = """, whose barriers are often off by some kJ/mol, and for a few kinds of bonds by a factor of two"""
-# What follows "exactly this method's" on what to trust.
-TURNED = """; where several torsions are turned together, the model
-adds the energies of their paths. Bonds and angles follow the paths and do not yield to the hand, and rings keep their shape."""
-GIVEN = """ at the frames, and between them a smooth
-curve's. The molecule stays on the path that was given, and does not yield to the hand beside it."""
 SPINS = ("singlet", "doublet", "triplet", "quartet", "quintet")
 
 
-def write(start: Start, turned: Sequence[Torsion], ways: Sequence[str]) -> list[str]:
+def write(start: Start, turned: Sequence[Torsion], paths: Sequence[str]) -> list[str]:
     """Writes the page and returns the names of its files. start: steps.Start; turned: the torsions that
-    the grid's paths turn; ways: files of the probe's ways, the best first."""
+    the grid's paths turn; paths: files of the hand's paths, the best first."""
     folder, run = start.folder, start.folder.run
-    run("play", f"{folder.name()}.grid", "--device", f"path:{ways[0]}", "--log", "played.log", "--frames", "played.frames",
-        watch=lambda gone: folder.waiting("playing the way", gone, None))
+    run("play", f"{folder.name()}.grid", "--device", f"path:{paths[0]}", "--log", "played.log", "--frames", "played.frames",
+        watch=lambda gone: folder.waiting("playing the path", gone, None))
     run("view", "played.frames", "--xyz", "played.xyz")
     folder.write("played.pdb", pdb(start.molecule.rd, frames(folder.path("played.xyz"))[0]))
     log = read_log(folder.read("played.log"))
@@ -55,9 +47,8 @@ def write(start: Start, turned: Sequence[Torsion], ways: Sequence[str]) -> list[
     side = sum(np.mean(log[a]) * part for a, part in (("x", np.sin(azimuth)), ("y", -np.cos(azimuth))))
     azimuth = f"{np.degrees(azimuth) + (180 if side < 0 else 0):.0f}"  # the one to which the hand is nearer
     run("view", "played.frames", "--from", f"{azimuth},10", "--html", "played.html")
-    felt = folder.feel_page(f"{folder.name()}.grid")
-    folder.write("index.html", page(start, turned, ways, felt))
-    return [*felt, "played.log", "played.frames", "played.xyz", "played.pdb", "played.html", "index.html"]
+    words = _words(start, turned, folder.read(paths[0]).split("\n", 1)[0].lstrip("# "))
+    return [*page.write(folder, "molecule/page.html", **words), "played.log", "played.frames", "played.xyz", "played.pdb", "played.html"]
 
 
 def pdb(rd: Chem.Mol, first: Frame) -> str:
@@ -71,7 +62,8 @@ def pdb(rd: Chem.Mol, first: Frame) -> str:
     return Chem.MolToPDBBlock(rd, flavor=ALL_BONDS)
 
 
-def page(start: Start, turned: Sequence[Torsion], ways: Sequence[str], felt: list[str]) -> str:
+def _words(start: Start, turned: Sequence[Torsion], hand: str) -> dict[str, Any]:
+    """What the template names. hand: a sentence on what the hand does."""
     folder = start.folder
     name = folder.name()
     taken = paths_of(folder.path(f"{name}.toml"))
@@ -93,19 +85,9 @@ def page(start: Start, turned: Sequence[Torsion], ways: Sequence[str], felt: lis
                 "bonds": _pairs(start.molecule.neighbours), "orders": _orders(start.molecule.rd),
                 "torsions": [[t.name, *t.atoms, t in turned] for t in start.turning]}
     molecule["paths"] = _profiles(start, taken)
-    given = start.given is not None
-    parts = {
-        "SHOWN": "The molecule on its path" if given else "The conformation, and the bonds that turn",
-        "TRUST": GIVEN if given else TURNED, "OFTEN": OFTEN if words.get("method") in METHODS else "",
-        "TITLE": html.escape(start.source), "HEAD": formula(start.molecule.formula),
-        "SAID": html.escape(folder.read(ways[0]).split("\n", 1)[0].lstrip("# ")),
-        "FACTS": "".join(f"<dt>{key}<dd>{value if key == 'Formula' else html.escape(value)}"
-                         for key, value in facts.items() if value),
-        "FEEL": ("" if taken else f"<p>{html.escape(path_selection.nothing_turns(folder))}.") + (FEEL if felt else ""),
-        "GRID": html.escape(shlex.quote(f"{name}.grid")),
-        "TOML": html.escape(f"{name}.toml"), "TABLE": barriers(folder), "METHOD": html.escape(method),
-        "MOLECULE": json.dumps(molecule).replace("<", "\\u003c"), "VERIFY": html.escape(folder.read("verify.txt"))}
-    return re.sub("@([A-Z]+)@", lambda found: parts[str(found[1])], TEMPLATE)
+    return {"title": start.source, "formula": formula(start.molecule.formula), "facts": facts, "hand": hand,
+            "nothing_turns": None if taken else path_selection.nothing_turns(folder), "given": start.given is not None,
+            "barriers": barriers(folder), "method": method, "is_of_xtb": words.get("method") in METHODS, "molecule": molecule}
 
 
 def _profiles(start: Start, taken: Sequence[str]) -> list[dict[str, Any]]:
@@ -132,20 +114,16 @@ def _pairs(neighbours: Neighbours) -> list[list[int]]:
     return [[a, b] for a, near in enumerate(neighbours) for b in near if a < b]
 
 
-def barriers(folder: Work) -> str:
-    """Rows of a table: each path with its barriers and what lies behind it."""
+def barriers(folder: Work) -> list[dict[str, Any]]:
+    """Each path with its barriers and what lies behind it, in kJ/mol as the files have them."""
     report = {row["name"]: row for row in files.rows(folder, "report.tsv", files.REPORT)}
-    on_the_way = {one.name: _maxima([e * HARTREE for e in one.energies]) for one in files.read_set(folder).found}
-    rows = []
-    for row in files.rows(folder, "rotors.tsv", path_selection.ROTORS):
-        one = report.get(row["path"], {})
-        behind = [other["energy_kJ_mol"] for name, other in report.items()
-                  if name.startswith(row["path"] + ":") and other["kind"].startswith("minimum")]
-        cells = [html.escape(row["path"]), html.escape(row["atoms"]),
-                 ", ".join(map(_energy, on_the_way.get(row["path"]) or [row["barrier_kJ_mol"]])), html.escape(one.get("nu1_cm-1", "-")),
-                 ", ".join(map(_energy, behind)) or "-", "in the grid" if row["taken"] == "yes" else html.escape(row["why"])]
-        rows.append("<tr>" + "".join(f"<td>{cell}" for cell in cells))
-    return "\n".join(rows)
+    maxima = {one.name: _maxima([e * HARTREE for e in one.energies]) for one in files.read_set(folder).found}
+    return [{"path": row["path"], "atoms": row["atoms"], "barriers": maxima.get(row["path"]) or [row["barrier_kJ_mol"]],
+             "imaginary": report.get(row["path"], {}).get("nu1_cm-1", "-"),
+             "behind": [other["energy_kJ_mol"] for name, other in report.items()
+                        if name.startswith(row["path"] + ":") and other["kind"].startswith("minimum")],
+             "why": "in the grid" if row["taken"] == "yes" else row["why"]}
+            for row in files.rows(folder, "rotors.tsv", path_selection.ROTORS)]
 
 
 def _maxima(energies: list[float]) -> list[str]:
@@ -154,15 +132,9 @@ def _maxima(energies: list[float]) -> list[str]:
     return sorted({f"{e:.1f}" for before, e, after in zip(high, energies, high[2:]) if e > before and e >= after}, key=float)
 
 
-def _energy(kilojoules: str) -> str:
-    """What the page's switch can show in kcal/mol, too."""
-    number = re.fullmatch(r"-?\d+(\.\d+)?", kilojoules)
-    return f'<span data-kj="{kilojoules}">{kilojoules}</span>' if number else html.escape(kilojoules)
-
-
-def formula(text: str) -> str:
-    """C4H10O with its numbers below the line; a charge above it."""
-    return re.sub(r"(\d+)", r"<sub>\1</sub>", re.sub(r"(\d*[+-]+\d*)$", "", html.escape(text)))
+def formula(text: str) -> Markup:
+    """RDKit's C4H10O with its numbers below the line, and without a charge, which stands behind it."""
+    return Markup(re.sub(r"(\d+)", r"<sub>\1</sub>", re.sub(r"[+-]\d*$", "", text)))
 
 
 def library_version() -> str:
@@ -170,7 +142,3 @@ def library_version() -> str:
     with open("/proc/self/maps", encoding="utf-8") as file:
         found = re.search(r"/libxtb\.so\.([0-9.]+)", file.read())
     return found[1] if found else ""
-
-
-with open(__file__.removesuffix(".py") + ".html", encoding="utf-8") as _file:
-    TEMPLATE = _file.read()

@@ -43,7 +43,7 @@ def choose(start: Start, result: Result, unwanted: dict[str, str]) -> list[str]:
         for f in lowest_first:
             why = unwanted.get(f.name) or (
                 f"stiffer than the {MOST_PATHS} that are taken" if len(taken) == MOST_PATHS else
-                _fault(start, result, Definition.around(start.molecule, result, [*taken, f.name], o.beyond)))
+                _fault(start, result, Definition.around(start.molecule, result, [*taken, f.name], o.goes_on)))
             if not why:
                 taken.append(f.name)
             rows.append((f.name, f"{(f.barrier - result.energy) * HARTREE:.2f}", "no" if why else "yes", why or "-"))
@@ -60,15 +60,15 @@ def choose(start: Start, result: Result, unwanted: dict[str, str]) -> list[str]:
         for why, names in left.items():
             folder.say(f"  left out: {', '.join(names)}: {why}")
         return ["rotors.tsv"]
-    folder.step("choice", "choosing the softest paths that are sane together", [*result.files(), "report.tsv"],
-                [unwanted, o.beyond, o.single_points], compute)
+    folder.step("selection", "choosing the softest paths that are sane together", [*result.files(), "report.tsv"],
+                [unwanted, o.goes_on, o.single_points], compute)
     taken = {row["path"] for row in files.rows(folder, "rotors.tsv", ROTORS) if row["taken"] == "yes"}
     return [f.name for f in lowest_first if f.name in taken]
 
 
 def _fault(start: Start, result: Result, definition: Definition) -> str:
     """What speaks against a set of paths, or nothing."""
-    folder, name = start.folder, ".choice.toml"
+    folder, name = start.folder, ".selection.toml"
     folder.write(name, definition.text())
     try:
         ran = folder.run("molecule-check", name, "--format", "json", good=(0, 1, 3))
@@ -80,7 +80,7 @@ def _fault(start: Start, result: Result, definition: Definition) -> str:
             who = " and ".join(names) if len(names) < 3 else "all paths"
             return f"{who}{' combined' * (len(names) > 1)}{': ' * bool(names)}{problem['what']}"
         combined = [m for m in found["minima"] if sum(t != 0 for t in m["t"]) > 1]
-        return _missed(start, result.x, name, combined) if start.options.beyond and combined else ""
+        return _missed(start, result.x, name, combined) if start.options.goes_on and combined else ""
     finally:
         remove(folder.path(name))
 

@@ -52,7 +52,7 @@ class Search:
         self.start, self.molecule, self.shapes = start, start.molecule, shapes
         self.torsions, self.driven = rotors.find(start.molecule), start.turning
         self.jobs: dict[str, tuple[torsions.Torsion, Any]] = {t.file_name(sign): (t, sign) for t in self.driven for sign in t.signs}
-        if start.options.beyond:  # behind the barrier of a rotor lies the same shape, unless one of its atoms is held
+        if start.options.goes_on:  # behind the barrier of a rotor lies the same shape, unless one of its atoms is held
             driven = [t for t in self.driven if not t.rotor] if start.options.push else hold.torsions if hold else []
             self.jobs = {t.name: (t, None) for t in driven}
 

@@ -123,7 +123,7 @@ def read(o: Namespace) -> Start:
     turning, rings = rotors.find(one), len(one.rings())
     if o.torsions is not None:  # with basins paths go both ways
         wanted = set(o.torsions.split(","))
-        unknown = sorted(wanted - {name for t in turning for name in ([t.name] if o.beyond else [t.name, *t.file_names()])})
+        unknown = sorted(wanted - {name for t in turning for name in ([t.name] if o.goes_on else [t.name, *t.file_names()])})
         if unknown:
             raise Failed(f"--torsions: no bond {unknown[0]} turns, only " + ", ".join(t.name for t in turning))
         turning = [t if t.name in wanted else replace(t, signs=tuple(s for s in t.signs if t.file_name(s) in wanted))
@@ -211,7 +211,7 @@ def estimate(start: Start) -> None:
         step = takes(lambda: optimise.projected(np.eye(x.size), x))
     except XtbError:
         return
-    count = HESSIANS + ways * (HESSIANS + (HESSIANS_BEHIND if o.beyond else 0)) * (1 + soft / FLEXIBLE)
+    count = HESSIANS + ways * (HESSIANS + (HESSIANS_BEHIND if o.goes_on else 0)) * (1 + soft / FLEXIBLE)
     cores = min(o.threads, max(ways, 1))
     seconds = 2 * x.size * count * (gradient + ALGEBRA * step) / cores
     start.folder.say(f"  {about(seconds, cores)} for conformation and barriers, more where a lower minimum is found")

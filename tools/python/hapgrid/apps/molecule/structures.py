@@ -60,7 +60,7 @@ def _held(start: Start, shapes: Sequence[tuple[int, Array]]) -> Result:
 
 def _explored(start: Start, shapes: Sequence[tuple[int, Array]], hold: Hold | None) -> Result:
     o, keep = start.options, not start.search
-    what, method = ("following torsions from minimum to minimum", torsion_paths.whole) if o.beyond else (
+    what, method = ("following torsions from minimum to minimum", torsion_paths.whole) if o.goes_on else (
         "driving torsions to their barriers", Search.to_barrier)
     for left in reversed(range(1 if o.keep_conformation else RESTARTS + 1)):
         search, found = Search(start, shapes, hold), {}
@@ -105,7 +105,7 @@ def _words(search: Search, points: Sequence[Stationary]) -> str:
 
 def _turned(search: Search, found: Mapping[str, Path | Dropped]) -> Result:
     """The Result of {job: its Path or Dropped}, with each saddle once."""
-    basins = search.start.options.beyond
+    basins = search.start.options.goes_on
     ways = {job: one for job, one in found.items() if not isinstance(one, Dropped)}
     dropped = {job: one for job, one in found.items() if isinstance(one, Dropped)}
     free = {search.jobs[job][0].name for job, one in dropped.items() if one.free}

@@ -1,25 +1,17 @@
-"""A way through the table, pictures, and the page that sums up."""
+"""A line through the table, pictures, and the page that sums up."""
 
 from __future__ import annotations
 
-import html
 import itertools
 import json
 import tomllib
-import urllib.parse
 from collections.abc import Sequence
 
 import numpy as np
 from hapgrid import style
+from hapgrid.apps.common import page
 from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.work import Work
-
-FEEL = """<a href="feel.html">Feel it with the mouse or a finger</a>: this page needs neither hapgrid nor a network, and can be
-sent to others."""
-STYLE = """body { font: 16px/1.5 sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em; color: #222 }
-table { border-collapse: collapse } td, th { padding: 0.2em 0.8em; border-bottom: 1px solid #8c8c8c; text-align: left }
-img { max-width: 100% } iframe { width: 100%; height: 34em; border: 1px solid #8c8c8c } code { background: #eee }
-pre { overflow-x: auto }"""
 
 
 class Values:
@@ -79,18 +71,9 @@ def line_through_lowest(values: Values) -> tuple[Array, Array]:
     along = [a for a in range(3) if start[a] != end[a]]
     parts = [sorted((bound[a] - start[a]) / (end[a] - start[a]) for bound in (values.low, values.high)) for a in along]
     into, out = max(part[0] for part in parts), min(part[1] for part in parts)
-    # A little inside the box where it ends the way, since the numbers of a path are rounded.
+    # A little inside the box where it ends the line, since the numbers of a path are rounded.
     into, out = into + 1e-6 if into > 0 else 0.0, out - 1e-6 if out < 1 else 1.0
     return (start + into * (end - start), start + out * (end - start)) if into < out else (start, end)
-
-
-def path_text(ends: Sequence[Array], unit: str, ticks: int) -> str:
-    """A path for play: there and back."""
-    start, end = ends
-    there = [start + (end - start) * k / ticks for k in range(ticks + 1)]
-    rows = [" ".join(f"{v:.10g}" for v in p) for p in there + there[-2::-1]]
-    return "\n".join([f"# x y z of the HIP{', ' + unit if unit else ''}, a line a tick: there and back",
-                      *rows]) + "\n"
 
 
 def slices(work: Work, values: Values) -> str:
@@ -115,54 +98,15 @@ def slices(work: Work, values: Values) -> str:
     return "slices.png"
 
 
-def along(work: Work, grid: str) -> list[str]:
-    """Plays the way: a page shows it, with force and energy. [the files]"""
-    work.run("play", grid, "--device", "path:path.txt", "--log", "played.log", "--frames", "played.frames")
-    work.run("view", "played.frames", "--html", "played.html")
-    return ["played.html", "played.log", "played.frames"]
-
-
-def write_frame(work: Work, name: str, body: str) -> list[str]:
-    """index.html: the body, how to feel the grid, and its report; feel.html. [their names]"""
-    felt = work.feel_page(f"{name}.grid")
-    link = f"<p>{FEEL}\n" if felt else ""
-    title, quoted = html.escape(name), urllib.parse.quote(name)
-    work.write("index.html", f"""<!DOCTYPE html>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{title}</title>
-<style>
-{STYLE}
-</style>
-<h1>{title}</h1>
-{link}<p>To feel it, in this folder:
-<p><code>hapgrid feel {title}.grid</code>
-<p>Another device goes behind <code>hapgrid play {title}.grid --device</code>: see <code>hapgrid play --help</code>.
-{body}
-<h2>The grid</h2>
-<details><summary>What verify found in the grid</summary><pre>{html.escape(work.read("verify.txt"))}</pre></details>
-<p>The definition is <a href="{quoted}.toml">{title}.toml</a>: change it, and the same command computes the grid anew.
-""")
-    return [*felt, "index.html"]
-
-
 def write(work: Work, name: str, values: Values) -> list[str]:
     grid = f"{name}.grid"
-    made = ["path.txt", slices(work, values), *along(work, grid)]
+    made = [slices(work, values), *page.play(work, grid)]
     scale = json.loads(work.run("stats", grid, "--format", "json")[0]).get("force_scale")
     e = values.energy
-    unit, length = html.escape(values.unit or "units of energy"), html.escape(values.length_unit or "units of length")
-    rows = [("values", " × ".join(map(str, e.shape))), ("lowest, highest energy", f"{e.min():.4g}, {e.max():.4g} {unit}"),
-            ("wall", "none" if values.wall is None else f"{values.wall:g} {unit}"),
-            ("lowest point", ", ".join(f"{v:.4g}" for v in values.place(values.lowest())) + f" {length}"),
-            ("largest force", f"{values.force:g} N")]
-    if scale:
-        rows.append(("force on the device", f"{scale:.4g} N for 1 {unit} in 1 {length}"))
-    table = "".join(f"<tr><td>{a}<td>{b}" for a, b in rows)
-    made += write_frame(work, name, f"""<table>{table}</table>
-<h2>The energy</h2>
-<img src="slices.png" alt="three planes">
-<h2>A way through the lowest point and back</h2>
-<p>Small blue balls are the deepest minima.
-<iframe src="played.html" title="the way"></iframe>""")
-    return made
+    unit, length = values.unit or "units of energy", values.length_unit or "units of length"
+    facts = {"values": " × ".join(map(str, e.shape)), "lowest, highest energy": f"{e.min():.4g}, {e.max():.4g} {unit}",
+             "wall": "none" if values.wall is None else f"{values.wall:g} {unit}",
+             "lowest point": ", ".join(f"{v:.4g}" for v in values.place(values.lowest())) + f" {length}",
+             "largest force": f"{values.force:g} N",
+             "force on the device": scale and f"{scale:.4g} N for 1 {unit} in 1 {length}"}
+    return [*made, *page.write(work, "table/page.html", facts=facts)]

@@ -9,6 +9,7 @@ from collections.abc import Iterable
 import numpy as np
 from hapgrid.apps.common.arrays import Array
 from hapgrid.apps.common.files import Failed, digest, pieces
+from hapgrid.apps.common.page import path_text
 
 from . import page, readers, units
 from .readers import Table
@@ -137,5 +138,5 @@ max_levels = 1            # a table has one energy at each place
 
 def _page(work: Work, name: str) -> list[str]:
     values = page.Values(work, name)
-    work.write("path.txt", page.path_text(page.line_through_lowest(values), values.length_unit, TICKS))
-    return page.write(work, name, values)
+    work.write("path.txt", path_text(page.line_through_lowest(values), values.length_unit, TICKS))
+    return ["path.txt", *page.write(work, name, values)]
