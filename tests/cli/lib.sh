@@ -95,6 +95,23 @@ refuses() {
   [[ $(wc -l <"$work/got/err") == 1 ]] || fail "not one line: $(cat "$work/got/err")"
 }
 
+# refusals TABLE [COMMAND]: what a program refuses. A row of the table has four cells, with tabs between them: the exit code;
+# what the script's function input() is given first, or nothing; the command, or nothing for COMMAND; and the message, as in
+# same(), in which $NAME is a variable of the script. Each row must write one line to standard error and nothing to
+# standard output, and leave no file `out`.
+refusals() {
+  local code input command message
+  while IFS=$'\x1f' read -r -u 3 code input command message; do
+    [[ $code && $code != '#'* ]] || continue
+    [[ ! $input ]] || input "$input"
+    while [[ $message =~ \$([A-Za-z_]+) ]]; do message=${message//"${BASH_REMATCH[0]}"/"${!BASH_REMATCH[1]}"}; done
+    expect "$code" '' "$message" -- eval "${command:-$2} # $input"
+    [[ $(wc -l <"$work/got/err") == 1 ]] || fail "not one line: $(cat "$work/got/err")"
+    [[ ! -e out ]] || fail "half a file: ${command:-$2} # $input"
+  done 3< <(tr '\t' '\037' <"$1")  # read takes several tabs for one
+}
+input() { eval "$1"; }
+
 # wait_for SECONDS WHAT COMMAND...: waits until the command succeeds. If it never does, the test fails and
 # shows what evidence() prints; a test may define that function.
 wait_for() {

@@ -117,21 +117,4 @@ same "the same with two threads" 'verify: broken: fidelity (106 of 256)' \
   "$(cat err)"
 
 # What cannot be read or evaluated is no verdict.
-refuses 'verify: none: No such file or directory' -- verify none
-head -c 300 grid >cut
-refuses 'verify: cut: .*' -- verify cut
-refuses 'verify: standard input: .*' -- verify </dev/null
-expand seeds -o requests
-refuses 'verify: requests: .*' -- verify requests
-mkdir -p elsewhere moved/bin
-cp "$HAPGRID_BUILD/bin/verify" moved/bin/
-HAPGRID_MODEL_PATH=elsewhere refuses 'verify: model hung-ball: no plug-in hung-ball.so in: elsewhere, .*/moved/models .*' -- moved/bin/verify grid
-refuses 'verify: .*No space left on device' -- verify grid -o /dev/full
-
-see='\(see verify --help\)'
-for count in some -1 1.5 ''; do
-  expect 2 '' "~verify: --recompute: .*$see" -- verify grid --recompute "$count"
-done
-expect 2 '' "~verify: .*: - $see" -- verify - -
-expect 2 '' "~verify: .*--recompuet.*; did you mean --recompute\? $see" -- verify grid --recompuet none
-expect 2 '' "~verify: -j: .*|verify: --threads: .*" -- verify grid -j 0
+refusals "$here/refuse.tsv"
