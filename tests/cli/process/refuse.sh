@@ -17,6 +17,10 @@ cat >touch.toml <<TOML
 model = {name = "puppet", process = ["touch", "started"]}
 grid = {origin = [0, 0, 0], spacing = 1, counts = [3, 3, 3]}
 TOML
+sed 's/name = .*]}/name = "said", process = ["tail", "-f", "line"]}/' good.toml >said.toml
+cat >good.line <<'END'
+{"hapgrid": 1, "state_size": 2, "d_max": 1, "tolerance": 0.5, "norm": "rms", "weights": [1, 0.5], "tolerance_unit": "rad", "stored": ["shape", "force"], "version": "2.1", "in_flight": 26, "spheres": [{"radius": 1, "colour": [1, 0, 0.5], "label": "C"}, {"radius": 0}]}
+END
 seed good.toml --allow-process -o seeds
 expand --complete seeds --allow-process good.toml -o grid
 echo '0 0 0' >path
@@ -28,6 +32,7 @@ left() { pgrep -f "sleep 1000 $mark" >/dev/null; }
 input() {
   case $1 in
     s/*) sed "$1" good.toml >bad.toml ;;
+    line*) sed "${1:5}" good.line >line ;;
     '$ '*) eval "${1:2}" ;;
     *) eval "define puppet $1" >told.toml ;;
   esac

@@ -51,4 +51,8 @@ PY
 input() {
   if [[ $1 == '$ '* ]]; then eval "${1:2}"; else sed "${1#* }" "good.${1%% *}" >"edited.${1%% *}"; fi
 }
+cat >t.toml <<'TOML'
+model = {plugin = "table", files = {table = "t.table"}}
+grid = {origin = [0, 0, 0], spacing = 0.5, counts = [3, 3, 3]}
+TOML
 refusals "$here/bad.tsv"

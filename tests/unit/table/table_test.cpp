@@ -153,25 +153,3 @@ TEST_CASE("the steepest place may lie between the points") {
   CHECK(most > 1.1);  // beside the step, at the points, it is (3 - sqrt(3)) / 2
   CHECK(field.steepest() == Approx(most));
 }
-
-TEST_CASE("a damaged table is refused") {
-  const std::string head = "hapgrid-table\ncounts 4 4 4\norigin 0 0 0\naxis 1 0 0\naxis 0 1 0\n";
-  std::string values;
-  for (int n = 0; n < 64; ++n) values += std::to_string(n) + " ";
-  const auto refused = [](const std::string& text, const std::string& why) {
-    CHECK_THROWS_WITH(read_lattice(text, "t"), "t: " + why);
-  };
-  CHECK(read_lattice(head + "axis 0 0 1\nvalues " + values, "t").values.size() == 64);
-  refused("", "it is no table: `hapgrid table` writes one");
-  refused(head + "values " + values, "counts, origin or an axis is missing");
-  refused(head + "axis 1 1 0\nvalues " + values, "its axes lie in one plane");
-  refused(head + "axis 0 0 1\nvalues " + values + "7", "it has more values than its counts say");
-  refused(head + "axis 0 0 1\nvalues 1 2", "it ends before all values are there");
-  refused(head + "axis 0 0 1\nvalues 1 x", "'x' among the values is no number");
-  refused(head + "axis 0 0 inf\n", "'inf' among the numbers of the axes is no number");
-  refused("hapgrid-table\ncounts 4 3 4\n",
-          "each axis needs a whole number of points, and at least 4");
-  refused("hapgrid-table\ncounts 9999 9999 4\n", "it has more than 16,777,216 values");
-  refused("hapgrid-table\nplace",
-          "'place' where counts, origin, three times axis, atom or values is due");
-}
