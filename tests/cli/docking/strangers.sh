@@ -46,4 +46,9 @@ field() { for name; do echo "label=$name"; done; for name; do echo "variable 1 f
 field C-affinity OA-affinity Electrostatics Desolvation | sed 's/p.Electrostatics/p.e/; s/p.Desolvation/p.d/' >pair.maps.fld
 { echo ROOT; atom 1 C1 0 0 0 0.1 C 2 O1 1.13 0 0 -0.1 OA; echo ENDROOT; echo TORSDOF 0; } >co.pdbqt
 field C-affinity OA-affinity >vina.maps.fld
+atom 1 X 0 0 0.8 -0.4 OA 2 X 1 0 -0.4 0.2 HD 3 X -1 0 -0.4 0.2 HD >water.pdbqt
+cat >d.toml <<'TOML'
+model = {plugin = "docking", files = {ligand = "l.pdbqt", host = "h.pdbqt"}}
+grid = {origin = [0, 0, 5], spacing = 0.5, counts = [2, 2, 2]}
+TOML
 refusals "$here/strangers.tsv"

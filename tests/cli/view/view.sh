@@ -69,6 +69,7 @@ same "size" "1 x 1" "$(/usr/bin/python3 "$here/png.py" size tiny.png)"
 
 # Refused: one line, and no file is left.
 mkdir empty
+change() { capnp decode --short "$frames" Message <x.frames | sed -n "$1; 1,2p" | capnp encode "$frames" Message >changed; }
 whole=$(stat -c %s x.frames)
 refusals "$here/view.tsv"
 nothing_left empty
