@@ -21,7 +21,7 @@ cat >m.toml <<'TOML'
 model = {plugin = "molecule", files = {conformation = "c.xyz", transition_states = ["t.xyz"]}}
 grid = {origin = [-5, -5, -5], spacing = 5, counts = [3, 3, 3]}
 TOML
-ln -s "$HAPGRID_SOURCE/examples/molecule/butane" butane
+ln -s "$HAPGRID_SOURCE"/examples/molecule/{butane,dichloroethane} .
 input() {
   cp peroxide.xyz c.xyz
   cp trans.xyz t.xyz

@@ -2,6 +2,8 @@
 source "$(dirname "$0")/../lib.sh"
 plugins=$HAPGRID_BUILD/tests/plugins
 seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete -o grid
+seed "$ball" --set 'grid.counts=[4,3,2]' | expand --complete -o small
+export PYTHONPATH=$HAPGRID_SOURCE/tests/cli/verify
 echo '0 0 0' >path
 cat >puppet.toml <<'TOML'
 model.plugin = "puppet"
@@ -39,4 +41,4 @@ cmp grid grid.kept
 cmp old.session kept
 play grid --device path:path --log old.session 2>stderr
 cmp -s old.session kept && fail "the session was not written"
-nothing_left . bin cut good.profile grid grid.kept kept old.session p path puppet.grid puppet.toml seeds stderr word
+nothing_left . bad.grid bin cut good.profile grid grid.kept kept old.session p path puppet.grid puppet.toml seeds small stderr word
