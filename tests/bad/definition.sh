@@ -1,21 +1,7 @@
 # Every mistake in a MODEL.toml gets one line that says where, exit code 1, and no grid.
 source "$(dirname "$0")/../cli/lib.sh"
 
-cat >good.toml <<'END'
-[model]
-plugin = "hung-ball"
-[model.parameters]
-radius = 0.1
-[grid]
-origin = [-0.5, -0.5, -0.5]
-spacing = 0.1
-counts = [11, 11, 11]
-[search]
-max_levels = 8
-[seeds]
-points = [[-0.5, -0.5, -0.5], [0.5, 0.5, 0.5]]
-states = [[[0]], [[0.0]]]
-END
+cp "$here/good.toml" .
 expect 0 '' '' -- seed good.toml -o good
 sed 11,13d good.toml >corners.toml  # where the ball would overlap the HIP
 printf '\0' >zeros

@@ -111,14 +111,7 @@ expect 0 '' '~.*Cl1-C2-C3-Cl4-plus leads to a minimum that is 0\.6 kJ/mol lower.
 within "anti" "$(word anti/conformation.xyz 1 Cl1-C2-C3-Cl4)" 180 180
 
 # One way of one bond alone. A file says which of the two mirror images it is: of a drawing, the processor's rounding decides.
-cat >peroxide.xyz <<'XYZ'
-4
-
-O     0.7259   -0.0740    0.0134
-O    -0.7259    0.0740    0.0134
-H     1.0506    0.8114   -0.2131
-H    -1.0506   -0.8114   -0.2131
-XYZ
+cp "$here/gauche.xyz" peroxide.xyz
 peroxide=(peroxide.xyz --method gfnff --spacing 1.5)
 refuses 'molecule: --torsions: no bond H3-O1-O2-H4-up turns, only H3-O1-O2-H4' -- \
   hapgrid molecule --push "${peroxide[@]}" -o oneway --torsions H3-O1-O2-H4-up

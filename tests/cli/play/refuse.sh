@@ -15,30 +15,13 @@ cp grid grid.kept
 cp old.session kept
 forms='path:FILE, keys, replay:FILE, hid:PROFILE, evdev[:WHICH], spacemouse[:WHICH], process:COMMAND'
 refusals "$here/refuse.tsv"
-cat >good.profile <<'TOML'
-name = "d"
-[match]
-vid = 1
-pid = 2
-[input]
-length = 4
-x = {bit = 0, bits = 16, scale = 0.001}
-[[output]]
-length = 4
-x = {bit = 0, bits = 16, newtons_per_count = 0.001}
-[force]
-max = 3
-[workspace]
-low = [-1, 0, 0]
-high = [1, 0, 0]
-TOML
 input() {
-  sed "$1" good.profile >p
-  ! cmp -s good.profile p || fail "no edit: $1"
+  sed "$1" "$here/good.toml" >p
+  ! cmp -s "$here/good.toml" p || fail "no edit: $1"
 }
 refusals "$here/profile.tsv" 'play grid --device hid:p'
 cmp grid grid.kept
 cmp old.session kept
 play grid --device path:path --log old.session 2>stderr
 cmp -s old.session kept && fail "the session was not written"
-nothing_left . bad.grid bin cut good.profile grid grid.kept kept old.session p path puppet.grid puppet.toml seeds small stderr word
+nothing_left . bad.grid bin cut grid grid.kept kept old.session p path puppet.grid puppet.toml seeds small stderr word
