@@ -100,7 +100,7 @@ refuses() {
 # same(), in which $NAME is a variable of the script. Each row must write one line to standard error and nothing to
 # standard output, and leave no file `out`.
 refusals() {
-  local code input command message
+  local code input command message rows=0
   while IFS=$'\x1f' read -r -u 3 code input command message; do
     [[ $code && $code != '#'* ]] || continue
     [[ ! $input ]] || input "$input"
@@ -108,7 +108,9 @@ refusals() {
     expect "$code" '' "$message" -- eval "${command:-$2} # $input"
     [[ $(wc -l <"$work/got/err") == 1 ]] || fail "not one line: $(cat "$work/got/err")"
     [[ ! -e out ]] || fail "half a file: ${command:-$2} # $input"
+    ((++rows))
   done 3< <(tr '\t' '\037' <"$1")  # read takes several tabs for one
+  ((rows)) || fail "no row in $1"
 }
 input() { eval "$1"; }
 
