@@ -10,43 +10,13 @@ readers=("expand" "expand --complete" "merge" "merge grid" "merge requests" "sta
 
 for tool in "${readers[@]}"; do
   name=${tool%% *}
-  refuses "$name: empty: empty, not a shard" -- $tool empty
-  refuses "$name: standard input: empty, not a shard" -- $tool - </dev/null
-  refuses "$name: text: byte 0: not a shard: no zstd frame" -- $tool text
-  refuses "$name: standard input: byte 0: not a shard: no zstd frame" -- $tool - <text
-  refuses "$name: directory: Is a directory" -- $tool directory
-  refuses "$name: standard input: Is a directory" -- $tool - <directory
-  refuses "$name: missing: No such file or directory" -- $tool missing
+  refusals "$here/readers.tsv"
   [[ ${HAPGRID_WRAPPER-} ]] ||  # valgrind opens /dev/null for it
     refuses "$name: standard input: Bad file descriptor" -- bash -c "exec $tool - <&-"
-  refuses "$name: text/x: Not a directory" -- $tool text/x
-  expect 2 '' "~$name: .* \(see $name --help\)" -- $tool - - <grid
-  # A name with a line break stays in one line.
-  refuses "$name: a b: No such file or directory" -- $tool $'a\nb'
-done
-# A stream of another kind, which would not end, is refused by its first bytes.
-for tool in "${readers[@]}"; do
-  name=${tool%% *}
-  refuses "$name: /dev/zero: byte 0: not a shard: no zstd frame" -- timeout 20 $tool /dev/zero
-  refuses "$name: standard input: byte 0: not a shard: no zstd frame" -- timeout 20 $tool - < <(yes)
-done
-# Compressed once more, from a file and through a pipe.
-for by in gzip bzip2 xz zstd; do
-  $by -c grid >grid.packed
-  for tool in expand 'merge' 'verify --recompute none'; do
-    words="byte 0: this is $by, not a shard: unpack it first\. Shards are compressed already"
-    refuses "${tool%% *}: grid\.packed: $words" -- $tool grid.packed
-    refuses "${tool%% *}: standard input: $words" -- bash -c "cat grid.packed | $tool"
-  done
 done
 echo '0 0 0' >path
 expand --complete grid -o whole
-refuses 'play: /dev/zero: byte 0: not a shard: no zstd frame' -- timeout 20 play /dev/zero --device path:path
-refuses 'play: /dev/zero: .*' -- timeout 20 play whole --device replay:/dev/zero
-refuses 'stats: /dev/zero: .*' -- timeout 20 stats /dev/zero
-refuses 'seed: missing: No such file or directory' -- seed missing
-refuses 'seed: directory: Is a directory' -- seed directory
-refuses 'seed: standard input: line 1: .*' -- seed - <text
+refusals "$here/io.tsv"
 if [[ $(id -u) != 0 ]]; then
   chmod a-r text
   refuses 'expand: text: Permission denied' -- expand text
@@ -66,9 +36,6 @@ for tool in "stats grid" "stats --npy - grid" "verify grid --recompute none"; do
   bash -c "exec $tool >/dev/full" 2>err || code=$?
   same "exit code of $tool > /dev/full" 1 "$code"
   grep -q "No space left on device\|cannot write" err || fail "$(cat err)"
-done
-for tool in seed expand merge stats verify play view check-model; do
-  refuses "$tool: cannot write to standard output" -- bash -c "exec $tool --help >/dev/full"
 done
 # A file that may not grow: what was written so far goes, whether the tool hears of it or is killed.
 seed "$ball" --set 'grid.counts=[300,300,2]' -o large

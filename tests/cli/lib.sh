@@ -11,7 +11,7 @@ set -euo pipefail
 HAPGRID_SOURCE=${HAPGRID_SOURCE:-$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)}
 HAPGRID_BUILD=${HAPGRID_BUILD:-$HAPGRID_SOURCE/build}
 HAPGRID_BIN=${HAPGRID_BIN:-$HAPGRID_BUILD/bin}
-export HAPGRID_SOURCE HAPGRID_BUILD HAPGRID_BIN PATH="$HAPGRID_BIN:$PATH" PYTHONDONTWRITEBYTECODE=1
+export HAPGRID_SOURCE HAPGRID_BUILD HAPGRID_BIN PATH="$HAPGRID_BIN:/usr/bin:$PATH" PYTHONDONTWRITEBYTECODE=1
 unset HAPGRID_MODEL_PATH
 
 here=$(cd "$(dirname "$0")" && pwd)  # the script's directory
@@ -94,6 +94,25 @@ refuses() {
   expect 1 '' "~$regex" "$@"
   [[ $(wc -l <"$work/got/err") == 1 ]] || fail "not one line: $(cat "$work/got/err")"
 }
+
+# refusals TABLE [COMMAND]: what a program refuses. A row of the table has four cells, with tabs between them: the exit code;
+# what the script's function input() is given first, or nothing; the command, or nothing for COMMAND; and the message, as in
+# same(), in which $NAME is a variable of the script. Each row must write one line to standard error and nothing to
+# standard output, and leave no file `out`.
+refusals() {
+  local code input command message rows=0
+  while IFS=$'\x1f' read -r -u 3 code input command message; do
+    [[ $code && $code != '#'* ]] || continue
+    [[ ! $input ]] || input "$input"
+    while [[ $message =~ \$([A-Za-z_]+) ]]; do message=${message//"${BASH_REMATCH[0]}"/"${!BASH_REMATCH[1]}"}; done
+    expect "$code" '' "$message" -- eval "${command:-$2} # $input"
+    [[ $(wc -l <"$work/got/err") == 1 ]] || fail "not one line: $(cat "$work/got/err")"
+    [[ ! -e out ]] || fail "half a file: ${command:-$2} # $input"
+    ((++rows))
+  done 3< <(tr '\t' '\037' <"$1")  # read takes several tabs for one
+  ((rows)) || fail "no row in $1"
+}
+input() { eval "$1"; }
 
 # wait_for SECONDS WHAT COMMAND...: waits until the command succeeds. If it never does, the test fails and
 # shows what evidence() prints; a test may define that function.

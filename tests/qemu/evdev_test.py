@@ -1,30 +1,20 @@
 """What evdev-test.sh's machine wrote: GOT. The forces that devices got are compared with those of the
 sessions, by the units of linux/input.h: levels to 0x7fff, motors to 0xffff, and the direction into which a
 force pulls, 0 towards the user, clockwise in 1/0x10000 of a circle. Full is 2 N, the default."""
-import base64
 import itertools
 import math
-import os
 import re
-import subprocess
 import sys
 
+import machine
+
 FULL = 2.0
-parts = {}
-for line in open(sys.argv[1]):
-    line = line.rstrip("\r\n")
-    if line.startswith("== "):
-        part = parts.setdefault(line[3:], [])
-    else:
-        part.append(line)
+parts = machine.parts(sys.argv[1])
 
 
 def ticks(name):
     """(HIP, force that was sent, levels of the corners) of each tick of a session."""
-    open("log.session", "wb").write(base64.b64decode("".join(parts[f"{name} session"])))
-    text = subprocess.run([sys.executable, os.environ["HAPGRID_SOURCE"] + "/tests/cli/stats/session.py", "text", "log.session"],
-                          check=True, capture_output=True, text=True).stdout
-    rows = [list(map(float, line.split("\t")[:18])) for line in text.splitlines() if line[0] != "#"]
+    rows = machine.ticks(parts[f"{name} session"])
     return [(row[1:4], row[7:10], row[10:18]) for row in rows]
 
 

@@ -16,30 +16,4 @@ machine() {
 }
 
 # hid_profile LOW HIGH: the profile of rawhid_device.c, whose handle reaches from LOW to HIGH, "X, Y, Z" in metres.
-hid_profile() {
-  cat <<TOML
-name = "test device"
-[match]
-vid = 0x16c0
-pid = 0x0486
-[input]
-length = 64
-x = {bit = 0, bits = 32, scale = 1e-6}
-y = {bit = 32, bits = 32, scale = 1e-6}
-z = {bit = 64, bits = 32, scale = 1e-6}
-clutch = {bit = 128}
-[[output]]
-length = 64
-x = {bit = 0, bits = 16, newtons_per_count = 0.001}
-y = {bit = 16, bits = 16, newtons_per_count = 0.001}
-z = {bit = 32, bits = 16, newtons_per_count = 0.001}
-[force]
-max = 3.0
-[timing]
-stall_ms = 50
-watchdog_ms = 50
-[workspace]
-low = [$1]
-high = [$2]
-TOML
-}
+hid_profile() { sed "s/^low = .*/low = [$1]/; s/^high = .*/high = [$2]/" "$HAPGRID_SOURCE/tests/qemu/profile.toml"; }

@@ -1,19 +1,12 @@
 """What play-test.sh's machine wrote: GOT, the positions that the device sent. It leaves log.session and there.txt."""
-import base64
 import json
-import os
 import re
-import subprocess
 import sys
 
+import machine
+
 got, positions = sys.argv[1:]
-parts = {}
-for line in open(got):
-    line = line.rstrip("\r\n")
-    if line.startswith("== "):
-        part = parts.setdefault(line[3:], [])
-    else:
-        part.append(line)
+parts = machine.parts(got)
 
 
 def exit_code(lines):
@@ -27,7 +20,7 @@ del report["lateness"]["histogram"], report["compute"]["histogram"]
 assert report["ticks"] + report["missed"] == 2500 and report["missed"] <= 5, report
 assert report["device"] == "test device" or "test device" in report["device"], report
 assert exit_code(parts["ticks"]) == ["exit 0"], parts["ticks"]
-open("log.session", "wb").write(base64.b64decode("".join(parts["session"])))
+ticks = machine.ticks(parts["session"])
 forces = [tuple(map(int, line.split())) for line in parts["record"]]
 assert len(forces) > 1250 and forces[-1] == (0, 0, 0), (len(forces), forces[-3:])
 strongest = max(abs(f[0]) for f in forces)
@@ -58,11 +51,8 @@ count, most = map(int, next(line for line in lines if line.startswith("felt ")).
 assert count > 100 and most > 100, lines
 
 # What went over the wire at 2,500 ticks against the session's text.
-with open("there.txt", "w") as file:
-    subprocess.run([sys.executable, os.environ["HAPGRID_SOURCE"] + "/tests/cli/stats/session.py", "text", "log.session"], check=True, stdout=file)
-ticks = [line.split("\t") for line in open("there.txt") if not line.startswith("#")]
-hips = [tuple(map(float, t[1:4])) for t in ticks]
-sent_forces = [tuple(map(float, t[7:10])) for t in ticks]
+hips = [tuple(t[1:4]) for t in ticks]
+sent_forces = [tuple(t[7:10]) for t in ticks]
 
 # Positions: 0.2 m of reach fill 1.9 along x, so 9.5 units a metre, from the box's middle, which is at
 # (-0.025, -0.025, -0.025). Each HIP is one that the device sent, in their order, none older than the

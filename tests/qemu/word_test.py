@@ -3,6 +3,8 @@ force, and compares it with the one that is promised."""
 import re
 import sys
 
+import machine
+
 NEVER, STAYS, LUCK = "never", "stays", "luck"
 WHATS = ("KILL", "TERM", "SEGV", "STOP", "120", "500", "SPIN")
 # Milliseconds at most, in the machine's own time: what is promised, and 15 ms for starting programs and for ticks of 4 ms.
@@ -21,13 +23,7 @@ if device == "stick":  # the kernel ends an effect when its file is closed, and 
     PROMISED = {who: [0 if limit == NEVER and what == "KILL" else LENGTH if limit in (NEVER, LUCK) or
                       limit not in (STAYS,) and limit > LENGTH else limit for what, limit in zip(WHATS, row)]
                 for who, row in PROMISED.items()}
-parts = {}
-for line in open(got):
-    line = line.rstrip("\r\n")
-    if line.startswith("== "):
-        part = parts.setdefault(tuple(line[3:].split()), [])
-    else:
-        part.append(line)
+parts = {tuple(heading.split()): lines for heading, lines in machine.parts(got).items()}
 
 
 def hid_forces(lines):

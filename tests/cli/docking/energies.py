@@ -115,6 +115,11 @@ def atom_line(number, kind, place, charge):
             + f"  0.00  0.00    {charge:+6.3f} {kind}")
 
 
+def elsewhere(line, place):
+    """The line of an atom elsewhere."""
+    return line[:30] + "".join(f"{c:8.3f}" for c in place) + line[54:]
+
+
 def on_points(folder, random):
     """(energy by the plug-in, text) of poses."""
     defined = definition(folder)
@@ -147,18 +152,15 @@ def on_points(folder, random):
 
 def between_points(folder, random):
     energy, ligand, defined = plugin_of(folder)
-    lines = ligand.splitlines()
-    atoms = [n for n, line in enumerate(lines) if line.startswith("ATOM")]
-    body = np.array([[float(lines[n][c:c + 8]) for c in (30, 38, 46)] for n in atoms])
+    lines = [line for line in ligand.splitlines() if line.startswith("ATOM")]
+    body = atoms_of(ligand)[2]
     body -= body.mean(axis=0)
     low, size = np.array(defined["grid"]["origin"]), defined["grid"]["spacing"] * (np.array(defined["grid"]["counts"]) - 1)
     while True:
         x = low + random.random(3) * size
         turn, _ = np.linalg.qr(random.standard_normal((3, 3)))
         turn *= np.linalg.det(turn)
-        text = [lines[n][:30] + "".join(f"{c:8.3f}" for c in place) + lines[n][54:]
-                for n, place in zip(atoms, (body @ turn.T + x).round(3))]
-        yield energy(x, turn), "\n".join(text)
+        yield energy(x, turn), "\n".join(map(elsewhere, lines, (body @ turn.T + x).round(3)))
 
 
 def atoms_of(text):
@@ -211,9 +213,9 @@ def within(folder):
         text = file.read()
     lines = text.splitlines()
     atoms = [n for n, line in enumerate(lines) if line.startswith("ATOM")]
-    places = np.array([[float(lines[n][c:c + 8]) for c in (30, 38, 46)] for n in atoms])
+    kinds, _, places = atoms_of(text)
     turns = sum(line.startswith("BRANCH") for line in lines)
-    kinds = sorted({lines[n][77:79].strip() for n in atoms})
+    kinds = sorted(set(kinds))
     zero = "hapgrid-table\ncounts 4 4 4\norigin -60 -60 -60\naxis 40 0 0\naxis 0 40 0\naxis 0 0 40\nvalues\n" + 64 * "0 "
     # So much softening that none of these energies is softened.
     energy = model(os.path.join(os.environ["HAPGRID_BIN"], "..", "models", "docking.so"),
@@ -229,7 +231,7 @@ def within(folder):
         new = bent(lines, places, angles)
         shape = list(lines)
         for k, place in zip(atoms, new):
-            shape[k] = lines[k][:30] + "".join(f"{c:8.3f}" for c in place) + lines[k][54:]
+            shape[k] = elsewhere(lines[k], place)
         poses.append(f"shape{len(poses)}.pdbqt")
         with open(f"{folder}/{poses[-1]}", "w", encoding="ascii") as file:
             file.write("\n".join(shape) + "\n")

@@ -10,7 +10,6 @@ says() { # WORDS HOST LIGAND OPTION...
   grep -qE "$1" said || fail "$(cat said)"
   rm -r out
 }
-refused() { refuses "dock: $1" -- hapgrid dock "${@:2}" -o out -q; }
 
 # Alternate locations, of which one stays, and water.
 {
@@ -39,15 +38,6 @@ atom() { printf 'ATOM  %5d  %-3s UNL A   1    %8.3f%8.3f%8.3f  1.00  0.00    %+6
 { echo ROOT; atom 1 C1 0 0 0 -0.08 C 2 H1 0.629 0.629 0.629 0.04 HD 3 H2 -0.629 -0.629 0.629 0.04 HD; echo ENDROOT; echo TORSDOF 0; } >wrong.pdbqt
 says 'wrong.pdbqt: 2 hydrogens on carbon have the type HD' "$host" wrong.pdbqt "${near[@]}"
 
-obabel -:'C[NH3+]' --gen3d -O ion.pdb >/dev/null 2>&1
-refused 'ion\.pdb: its atoms say that it has a charge of \+1, and Open Babel gives them \+0\.00: give a file with charges, .*' "$host" ion.pdb
-
-sed 's/ HD$/ G0/' ligand.pdbqt >glue.pdbqt
-refused "glue.pdbqt: atoms of the type G0 are Meeko's, .*--rigid_macrocycles" "$host" glue.pdbqt
-sed 's/ HD$/ Cu/' ligand.pdbqt >metal.pdbqt
-refused 'metal.pdbqt: AutoDock has no parameters of the type Cu: .*' metal.pdbqt "$ligand"
-refused 'nothing is near the box: the nearest atom of the host is [0-9]+ angstrom from it: see --centre' "$host" "$ligand" --centre 100,0,0 \
-  --size 1,1,1 --atoms
 # AutoGrid's maps of two runs, and those of Vina, which have no charge.
 map() { printf '%s\n' 'GRID_PARAMETER_FILE x' 'GRID_DATA_FILE x' 'MACROMOLECULE x' "SPACING $1" 'NELEMENTS 4 4 4' "CENTER $2 $2 $2"; seq 125; }
 for name in C OA e d; do map 0.5 0 >p.$name.map; done
@@ -55,8 +45,10 @@ map 0.25 -0.5 >p.OA.map
 field() { for name; do echo "label=$name"; done; for name; do echo "variable 1 file=p.${name%-affinity}.map"; done; }
 field C-affinity OA-affinity Electrostatics Desolvation | sed 's/p.Electrostatics/p.e/; s/p.Desolvation/p.d/' >pair.maps.fld
 { echo ROOT; atom 1 C1 0 0 0 0.1 C 2 O1 1.13 0 0 -0.1 OA; echo ENDROOT; echo TORSDOF 0; } >co.pdbqt
-refused 'pair.maps.fld: its maps have different points: OA 5x5x5 from -1,-1,-1, 0.25 angstrom apart, C .*' pair.maps.fld co.pdbqt
-map 0.5 0 >p.OA.map
 field C-affinity OA-affinity >vina.maps.fld
-refused "vina.maps.fld: it has no maps of charge and desolvation: Vina's own maps have none\\. .*" vina.maps.fld co.pdbqt
-refused 'p.C.map: one map is no host: .*' p.C.map co.pdbqt
+atom 1 X 0 0 0.8 -0.4 OA 2 X 1 0 -0.4 0.2 HD 3 X -1 0 -0.4 0.2 HD >water.pdbqt
+cat >d.toml <<'TOML'
+model = {plugin = "docking", files = {ligand = "l.pdbqt", host = "h.pdbqt"}}
+grid = {origin = [0, 0, 5], spacing = 0.5, counts = [2, 2, 2]}
+TOML
+refusals "$here/strangers.tsv"

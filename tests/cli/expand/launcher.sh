@@ -11,12 +11,6 @@ is() {
   expect 0 '' '' -- env "${@:2}" expand grid --part auto -o got
   cmp got expected || fail "${*:2} is not part $1"
 }
-# wrong REGEX VARIABLE...: this environment is a usage error, and the message says which number is wrong.
-wrong() {
-  expect 2 '' "~expand: --part: auto: $1 \(see expand --help\)" -- \
-    env "${@:2}" expand grid --part auto -o nothing
-  [[ ! -e nothing ]] || fail "${*:2} wrote something"
-}
 array() { echo SLURM_ARRAY_TASK_{ID="$1",MIN="$2",MAX="$3",STEP="$4"}; }
 
 is 3/5 SLURM_PROCID=2 SLURM_NTASKS=5
@@ -37,26 +31,6 @@ is 6/9 $(array 2 1 8 1) SLURM_PROCID=5 SLURM_NTASKS=9
 # Under mpirun inside a Slurm job, Slurm's variables are those of mpirun's own daemon.
 is 6/9 OMPI_COMM_WORLD_RANK=5 OMPI_COMM_WORLD_SIZE=9 SLURM_PROCID=0 SLURM_NTASKS=3
 
-none='no launcher has numbered this process: no SLURM_PROCID .*'
-wrong "$none"
-wrong "$none" SLURM_PROCID=1  # a batch script without srun
-wrong "$none" SLURM_NTASKS=4  # salloc without srun
-wrong 'SLURM_ARRAY_TASK_MIN is not set' SLURM_ARRAY_TASK_ID=1
-for value in '' ' 1' 1x -1 +1 0x1 1.0 1e0 4 18446744073709551617 $'1\n'; do
-  wrong "SLURM_PROCID is '.*', and not a number from 0 to 3" SLURM_PROCID="$value" SLURM_NTASKS=4
-  wrong "OMPI_COMM_WORLD_RANK is '.*', and not a number from 0 to 3" \
-    OMPI_COMM_WORLD_RANK="$value" OMPI_COMM_WORLD_SIZE=4
-done
-for value in 0 -4 '' four 4294967296 99999999999999999999; do
-  wrong "PMI_SIZE is '$value', and not a number from 1 to 4294967295" PMI_RANK=0 PMI_SIZE=$value
-done
-wrong "SLURM_ARRAY_TASK_ID is '9', and not a number from 1 to 8" $(array 9 1 8 1)
-wrong "SLURM_ARRAY_TASK_ID is '0', and not a number from 1 to 8" $(array 0 1 8 1)
-wrong "SLURM_ARRAY_TASK_MAX is '0', and not a number from 1 to 4294967294" $(array 1 1 0 1)
-wrong "SLURM_ARRAY_TASK_STEP is '0', and not a number from 1 to 4294967295" $(array 1 1 8 0)
-wrong 'SLURM_ARRAY_TASK_ID is not a whole number of steps above SLURM_ARRAY_TASK_MIN' $(array 6 0 20 5)
-for part in Auto auto/3 1/auto; do expect 2 '' '~expand: .*' -- expand grid --part $part -o nothing; done
-
 # {} in the output's name is the part. A part whose file is there is not computed again.
 for rank in 0 1 2; do
   SLURM_PROCID=$rank SLURM_NTASKS=3 expand grid --part auto -o 'requests.{}'
@@ -74,15 +48,6 @@ cp requests.1-of-3 named
 expand grid --part 2/3 -o named
 cmp named requests.2-of-3
 
-# What lies there may be of another round, of another grid, or no shard of requests at all.
-stale='requests.2-of-3 is there already, and holds no requests for generation 1 of this grid: remove it first'
-expand seeds -o requests.2-of-3
-refuses "expand: $stale" -- expand grid --part 2/3 -o 'requests.{}'
 seed "$ball" --set grid.spacing=0.06 | tee other.seeds | expand -o other
 merge other.seeds other -o other.grid
-expand other.grid -o requests.2-of-3
-refuses "expand: $stale" -- expand grid --part 2/3 -o 'requests.{}'
-cp grid requests.2-of-3
-refuses "expand: $stale" -- expand grid --part 2/3 -o 'requests.{}'
-head -c -1 grid >requests.2-of-3
-refuses 'expand: requests.2-of-3: .*' -- expand grid --part 2/3 -o 'requests.{}'
+refusals "$here/launcher.tsv"

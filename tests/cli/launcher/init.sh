@@ -2,27 +2,13 @@
 # to the snaps that the closed form has. From the build's folder, and from an installation.
 source "$(dirname "$0")/../lib.sh"
 
-expect 2 '' 'hapgrid: init: which name? (see hapgrid init --help)' -- hapgrid init
-expect 2 '' "hapgrid: init: the name '../x' may have only letters, digits, '-' and '_'" -- hapgrid init ../x
-expect 2 '' "hapgrid: init: the name '??' may have only letters, digits, '-' and '_'" -- hapgrid init ä
-expect 2 '' "hapgrid: init: no option '-x' (see hapgrid init --help)" -- hapgrid init -x
-expect 2 '' "hapgrid: init: the name is empty (see hapgrid init --help)" -- hapgrid init ''
-expect 2 '' "hapgrid: init: one name, not 'a' and 'b' (see hapgrid init --help)" -- hapgrid init a b
-expect 2 '' "hapgrid: init: no template in 'cobol' (python, ase, c, c++, fortran or node)" -- hapgrid init a --lang cobol
-expect 2 '' 'hapgrid: init: --lang: which language? (see hapgrid init --help)' -- hapgrid init a --lang
-for module in json hapgrid numpy; do
-  expect 2 '' "hapgrid: init: the name '$module' is that of a module of Python's, which $module.py would hide" -- hapgrid init $module
-done
-expect 0 'json: a model in C; cd json && make && make play' '' -- hapgrid init json --lang c
-rm -r json
-(($(hapgrid init --help | wc -L) <= 80)) || fail 'the help is wider than 80 columns'
-mkdir there
-refuses 'hapgrid: init: there is there already; nothing was changed' -- hapgrid init there
-ln -s nowhere link
-refuses 'hapgrid: init: link is there already; nothing was changed' -- hapgrid init link
+refusals "$here/init.tsv"
 nothing_left there
 rm -r there link
 nothing_left .
+expect 0 'json: a model in C; cd json && make && make play' '' -- hapgrid init json --lang c
+rm -r json
+(($(hapgrid init --help | wc -L) <= 80)) || fail 'the help is wider than 80 columns'
 
 # made FOLDER HAPGRID OPTION...: what make and make play do in a new folder. The filters are not in the PATH.
 made() (

@@ -88,21 +88,10 @@ told, known = np.array(rises).T
 # Titles have three decimals, and the conformation's own energy is what others are above.
 assert len(told) > 15 and np.ptp(told - known) < 0.01, (told, known - known[0])
 END
-refuses 'molecule: --path: its energies differ by 0\.[0-9]* kJ/mol at most, and a barrier that is felt is higher than 1 kJ/mol' -- \
-  hapgrid molecule argon.xyz --path --calculator "${lennard_jones/0.208/0.002}" -o low --quiet
 grep -q 'barriers are often off' argon/index.html gold/index.html && fail 'the page judges a method that was not used'
-# Energies in the titles are another method's. What a calculator lacks, and a metal with bonds, is refused.
+# Energies in the titles are another method's.
 sed "s/title/energy=-1.0/" gold.xyz >titled.xyz
 hapgrid molecule titled.xyz --path --calculator 'ase.calculators.emt:EMT()' -o titled --until structures >line 2>said || fail "$(cat said)"
 grep -q 'the energies in the titles are not taken: --calculator computes them' said || fail "$(cat said)"
 same "profile" "$(profile gold/gold.xyz)" "$(profile titled/titled.xyz)"
-refuses 'molecule: the calculator: NotImplementedError: No EMT-potential for Ar' -- \
-  hapgrid molecule argon.xyz --path --calculator 'ase.calculators.emt:EMT()' -o bad --quiet
-refuses 'molecule: gold.xyz: Cu1: only molecules of H He B .*: take the part without it, or give frames of a path \(--path\)' -- hapgrid molecule gold.xyz --calculator 'ase.calculators.emt:EMT()' -o bad --quiet
-
-expect 2 '' '~molecule: --calculator no: is not MODULE:CALLABLE.*' -- hapgrid molecule --smiles C --calculator no -o bad
-refuses 'molecule: --calculator none:f: ModuleNotFoundError: .*' -- hapgrid molecule --smiles CC --calculator none:f -o bad --quiet
-refuses 'molecule: --calculator: has no keyword for -1 charge: give a file with calculator\(charge, uhf\)' -- \
-  hapgrid molecule --smiles 'CC[O-]' --calculator 'ase.calculators.emt:EMT()' -o charged --quiet
-expect 2 '' 'molecule: --calculator: --method and --solvent are of xtb (see --help)' -- \
-  hapgrid molecule --smiles C --calculator ase.calculators.emt:EMT --method gfn2 -o bad
+refusals "$here/calculator.tsv"

@@ -3,35 +3,9 @@
 source "$(dirname "$0")/../lib.sh"
 source "$here/xtb.bash"
 
-bad() { refuses "molecule: $1" -- hapgrid molecule --push "${@:2}" -o bad; }
-bad "SMILES '\[CH3\]': 9 electrons with charge 0 do not go with 0 unpaired ones: give the right --charge, or --uhf 1 for a radical" \
-  --smiles '[CH3]'
-bad "SMILES 'C\[Zn\]C': Zn2: only molecules of H He B .* can be felt: take the part without it" --smiles 'C[Zn]C'
-bad "SMILES 'CCC\(': not understood" --smiles 'CCC('
-bad 'none\.sdf: No such file or directory' none.sdf
-printf '3\n\nC 0 0 0\nC 0 0 0\nH 0 0 0\n' >nowhere.xyz
-bad 'nowhere\.xyz: no coordinates and no bonds: give a file that has them, or --smiles' nowhere.xyz
-printf '3\n\nO 0 0 0\nH 0.96 0 0\nH 0 1e20 0\n' >far.xyz
-bad 'far\.xyz: atom 3 is 1e\+20 angstrom from the origin: these are no coordinates of a molecule' far.xyz
-head -c 2000 /dev/urandom | base64 >noise.sdf
-bad 'noise\.sdf: not understood as SDF' noise.sdf
-obabel -:"$(printf 'C%.0s' {1..66})" -osdf -h -O big.sdf 2>obabel.log
-bad 'big\.sdf: 200 atoms, at most 100 are feasible: cut out the part that matters, and close it with hydrogen' big.sdf
-# What is flat or incomplete is seen before the molecules of a file are told apart, which needs their bonds.
 xyz() { printf '%d\n\n' "$(($# / 4))" && printf '%s %s %s %s\n' "$@"; }
-xyz C 0.98 -0.06 0 C 2.5 -0.07 0 C 3.04 -1.36 0 C 4.56 -1.37 0 H 0.61 0.88 0 H 0.58 -0.14 0 H 0.58 -0.89 0 H 2.86 0.79 0 \
-  H 2.86 0.05 0 H 2.68 -2.22 0 H 2.67 -1.48 0 H 4.96 -1.29 0 H 4.93 -2.31 0 H 4.95 -0.54 0 >flat.xyz
-bad 'flat\.xyz: flat, and XYZ has no bonds to build a shape from: give an SDF file or --smiles' flat.xyz
-xyz C 0 0 0 C 1.4 0.1 0.4 C 2.1 1.3 0 >bare.xyz
-bad 'bare\.xyz: C1 lacks hydrogen, and XYZ has no bonds to add it by: give an SDF file or --smiles; an ion needs --charge, a radical --uhf' \
-  bare.xyz
-xyz Qq 0 0 0 C 0 0 1 O 1 1 1 >symbol.xyz
-bad 'symbol\.xyz: atom 1 is of no known element: correct its symbol' symbol.xyz
-bad "SMILES '\[Na\+\]\.\[Cl-\]': only single atoms or ions, Na\+ with charge \+1, Cl- with charge -1: none has a shape \
-to feel: give a molecule with bonds" --smiles '[Na+].[Cl-]'
-bad "SMILES 'CCO': 26 electrons with charge 0 do not go with 1 unpaired ones: give the right --charge, or --uhf 1 for a radical" --smiles CCO --uhf 1
+refusals "$here/command.tsv"
 rm -- *.sdf *.xyz obabel.log
-expect 2 '' 'molecule: give either FILE or --smiles (see --help)' -- hapgrid molecule --push -o bad
 nothing_left .
 
 # A flat SDF of a salt: the larger ion is taken, without hydrogens and coordinates as it is.
@@ -137,14 +111,7 @@ expect 0 '' '~.*Cl1-C2-C3-Cl4-plus leads to a minimum that is 0\.6 kJ/mol lower.
 within "anti" "$(word anti/conformation.xyz 1 Cl1-C2-C3-Cl4)" 180 180
 
 # One way of one bond alone. A file says which of the two mirror images it is: of a drawing, the processor's rounding decides.
-cat >peroxide.xyz <<'XYZ'
-4
-
-O     0.7259   -0.0740    0.0134
-O    -0.7259    0.0740    0.0134
-H     1.0506    0.8114   -0.2131
-H    -1.0506   -0.8114   -0.2131
-XYZ
+cp "$here/gauche.xyz" peroxide.xyz
 peroxide=(peroxide.xyz --method gfnff --spacing 1.5)
 refuses 'molecule: --torsions: no bond H3-O1-O2-H4-up turns, only H3-O1-O2-H4' -- \
   hapgrid molecule --push "${peroxide[@]}" -o oneway --torsions H3-O1-O2-H4-up

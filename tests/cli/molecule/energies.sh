@@ -2,14 +2,7 @@
 source "$(dirname "$0")/../lib.sh"
 source "$here/xtb.bash"
 
-cat >peroxide.xyz <<'XYZ'
-4
-
-O     0.7259   -0.0740    0.0134
-O    -0.7259    0.0740    0.0134
-H     1.0506    0.8114   -0.2131
-H    -1.0506   -0.8114   -0.2131
-XYZ
+cp "$here/gauche.xyz" peroxide.xyz
 peroxide=(peroxide.xyz --method gfnff -o one --torsions H3-O1-O2-H4-minus)
 hapgrid molecule --push "${peroxide[@]}" --until definition --quiet >line 2>&1 || fail "$(cat line)"
 path=one/H3-O1-O2-H4-minus.xyz

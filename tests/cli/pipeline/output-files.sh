@@ -113,35 +113,7 @@ mkdir d
 cp seeds requests grid my.session frames cost my.toml data path d
 ln -s seeds seeds.link
 ln grid grid.link
-while read -r tool command; do
-  expect 2 '' "~$tool: --[a-z]+: would replace the (definition|file that the definition names|grid|requests|input|cost|session|frames|file that --device names) \(see $tool --help\)" \
-    -- "$tool" $command <seeds
-  for file in d/*; do cmp "$file" "${file##*/}"; done
-done <<TABLE
-seed my.toml -o ./my.toml
-seed files.toml -o data
-check-model my.toml -o my.toml
-expand seeds -o seeds
-expand seeds -o seeds.link
-expand --complete grid -o grid.link
-expand - -o seeds
-expand seeds --cost seeds -o x
-expand seeds --allow-process my.toml -o my.toml
-merge seeds requests -o requests
-merge requests - -o requests
-merge seeds requests --cost requests -o x
-verify grid -o grid
-verify grid --allow-process my.toml -o my.toml
-stats grid -o grid
-stats grid --npy ./grid
-stats grid --cost cost -o cost
-stats my.session -o my.session
-view frames --xyz frames
-view frames --png frames
-view frames --html frames
-play grid --device path:path --frames path
-play grid --device replay:my.session --log my.session
-play grid --device path:path --log grid
-TABLE
+refusals "$here/replaces.tsv"
+for file in d/*; do cmp "$file" "${file##*/}"; done
 merge seeds requests -o seeds
 cmp seeds merged

@@ -92,6 +92,8 @@ class Play:
 
 RELEASED, NO_RELEASE = "; then --release sent zero force", "; it has no --release: the device may hold its last force"
 NAME = r"process '.*adapter\.py \S+ \S+.*'"
+with open(os.path.splitext(os.path.abspath(__file__))[0] + ".tsv", encoding="utf-8") as rows:
+    TABLE = [row.rstrip("\n").replace("$RELEASED", RELEASED).replace("$NO_RELEASE", NO_RELEASE).split("\t") for row in rows if row[0] != "#"]
 
 
 def before_the_loop():
@@ -100,21 +102,7 @@ def before_the_loop():
         Play(mode, *words).end(1, f"play: {NAME}: {why}", one_line=True)
         return f"{mode}: refused"
 
-    at_once(case, [
-        ("early", "exited with status 3"),
-        ("sorry", r"the device is  \[31mburning"),
-        ("version", r"speaks version 1 of the protocol, this play speaks 3"),
-        ("other", "sent something that is not a greeting"),
-        ("short", "sent something that is not a greeting"),
-        ("long", "sent something that is not a greeting"),
-        ("pointlike", "says that it has no axis"),
-        ("steers", "says that its z goes from -1 to 0.5, and steers"),
-        ("range", "says that its x goes from nan to 0.08 m"),
-        ("turned", "says that its x goes from 0.1 to -0.1 m"),
-        ("strong", "says that its largest force is inf N"),
-        ("slow", "says that its rate is 1 Hz"),
-        ("stall", f"did not answer within 100 ms{RELEASED}", "1"),
-            ("nan", "sent a number that is not finite", "1")])
+    at_once(case, [(mode.split()[0], why, *mode.split()[1:]) for mode, told, why in TABLE if told == "greeting"])
     Play("absent", command="/no/such/adapter").end(
         1, "play: process '/no/such/adapter': cannot be started: No such file or directory", one_line=True)
     Play("fast", options=["--rate", "2000"]).end(
@@ -158,27 +146,7 @@ def in_the_loop():
         assert mode != "family" or len(play.events("pid")) == 3, play.events("pid")
         return f"{mode}: let go after {took * 1000:.1f} ms"
 
-    at_once(case, [
-        ("nan", True, "sent a number that is not finite"),
-        ("infinite", True, "sent a number that is not finite"),
-        ("timeless", True, "sent a number that is not finite"),
-        ("far", True, "is at 0.4 0 0 m, and its ranges go from -0.08 -0.08 -0.08 m to 0.08 0.08 0.08 m"),
-        ("back", True, r"its time went back from \S+ to 1 s"),
-        ("frozen", True, "its time stood still for 100 ms"),
-        ("number", True, "answered force 149 instead of force 150"),
-        ("garbage", True, "sent 7 bytes, and a state has 40"),
-        ("huge", True, "sent 5000 bytes, and a state has 40"),
-        ("late", True, "did not answer within 100 ms"),
-        ("burns", False, f"the motors burn{RELEASED}"),
-        ("stall", False, f"did not answer within 100 ms{RELEASED}"),
-        ("unable", False, f"did not answer within 100 ms{NO_RELEASE}"),
-        ("stopped", False, f"did not answer within 100 ms{RELEASED}"),
-        ("dies", False, f"exited with status 3{RELEASED}"),
-        ("killed", False, rf"was killed by signal 9 \(Killed\){RELEASED}"),
-        ("closes", False, f"closed its standard input or output{RELEASED}"),
-        ("flood", False, rf"answered force \d+ instead of force \d+{RELEASED}"),
-        ("forks", False, f"exited with status 3{RELEASED}"),
-            ("family", False, f"exited with status 3{RELEASED}")])
+    at_once(case, [(mode, told == "told", why) for mode, told, why in TABLE if told != "greeting"])
 
 
 def at_the_end():

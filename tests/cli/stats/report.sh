@@ -63,25 +63,4 @@ echo '{"cpu_seconds": 7200, "conversions": 5}' >hours
 expect 0 2.0 '' -- stats --get cpu_hours --cost hours grid
 stats grid --cost hours | grep -qx 'hung-ball        1.000   [0-9.]* MB        2.0' ||
   fail "CPU hours in the table"
-for broken in '{"cpu_seconds": 1' '{"cpu_seconds": 1e999}'; do
-  printf '%s\n' "$(head -n 1 hours)" "$broken" >hours
-  refuses 'stats: hours: line 2: no JSON object' -- stats grid --cost r1 --cost hours
-done
-refuses 'stats: missing: No such file or directory' -- stats grid --cost missing
-printf '# t\tx\n' >text.log
-refuses 'stats: text\.log: a text log of play: hapgrid plot draws it; .*' -- stats text.log
-
-# What is refused.
-refuses 'stats: --get: this grid has no value parameters.mass; .*' -- stats grid --get parameters.mass
-refuses 'stats: none: No such file or directory' -- stats none
-head -c 300 grid >cut
-refuses 'stats: cut: .*' -- stats cut
-refuses 'stats: cut: .*' -- stats cut --get frontier
-refuses 'stats: q1: .*' -- stats q1
-refuses 'stats: q1: .*' -- stats q1 --get records
-see='\(see stats --help\)'
-refuses 'stats: --get: this grid has no value mass; stats --format json shows those that there are' -- stats grid --get mass
-expect 2 '' "~stats: .* $see" -- stats - - <grid
-expect 2 '' "~stats: --format: xml not in .*$see" -- stats grid --format xml
-refuses 'stats: .*No space left on device' -- stats grid -o /dev/full
-refuses 'stats: .*No space left on device' -- bash -c 'stats grid --npy - >/dev/full'
+refusals "$here/report.tsv"

@@ -14,11 +14,12 @@ import struct
 import subprocess
 import sys
 
+import numpy
+
 sys.path.insert(0, os.path.join(os.environ["HAPGRID_SOURCE"], "tests", "cli"))
 import shard
 
 SCHEMA = os.path.join(os.environ["HAPGRID_SOURCE"], "schemas", "session.capnp")
-MASK = (1 << 64) - 1
 
 
 def decode(data):
@@ -35,50 +36,30 @@ def seal(messages):
 
 
 def numbers(column, n):
-    """The 64-bit numbers of a column."""
-    return [int.from_bytes(bytes(column[b * n + i] for b in range(8)), "little") for i in range(n)]
+    """The 64-bit numbers of a column, which has all first bytes, then all second ones: a row for each axis."""
+    planes = numpy.array(column, numpy.uint8).reshape(-1, 8, n)
+    return planes.transpose(0, 2, 1).copy().view("<u8")[..., 0]
 
 
-def double(bits):
-    return struct.unpack("<d", struct.pack("<Q", bits))[0]
-
-
-def bits_of(x):
-    return struct.unpack("<Q", struct.pack("<d", x))[0]
+def column(rows):
+    """The opposite of numbers()."""
+    return rows.astype("<u8").view(numpy.uint8).reshape(*rows.shape, 8).transpose(0, 2, 1).ravel().tolist()
 
 
 def vectors(data, n):
-    """x y z of each tick as bits, from differences to the tick before."""
-    axes = []
-    for axis in range(3):
-        bits, axis_bits = 0, []
-        for u in numbers(data[8 * n * axis : 8 * n * (axis + 1)], n):
-            bits = (bits + (u // 2 if u % 2 == 0 else -(u + 1) // 2)) & MASK
-            axis_bits.append(bits)
-        axes.append(axis_bits)
-    return list(zip(*axes))
+    """x, y and z of the ticks as bits, from differences to the tick before: 2 d, or -2 d - 1 below 0."""
+    u = numbers(data, n)
+    return numpy.cumsum((u >> 1) ^ (-(u & 1)), axis=1, dtype=numpy.uint64)
 
 
-def code(vectors_of_doubles):
+def bits_of(rows):
+    return numpy.array(rows, float).T.copy().view(numpy.uint64)
+
+
+def code(rows):
     """The opposite of vectors()."""
-    out = []
-    for axis in zip(*vectors_of_doubles):
-        us, before = [], 0
-        for x in axis:
-            d = (bits_of(x) - before) & MASK
-            before = bits_of(x)
-            d -= (d >> 63) << 64
-            us.append(2 * d if d >= 0 else -2 * d - 1)
-        out += [u >> 8 * b & 255 for b in range(8) for u in us]
-    return out
-
-
-def code_force(force, raw):
-    out = []
-    for axis, raw_axis in zip(zip(*force), zip(*raw)):
-        us = [bits_of(f) ^ bits_of(r) for f, r in zip(axis, raw_axis)]
-        out += [u >> 8 * b & 255 for b in range(8) for u in us]
-    return out
+    d = numpy.diff(bits_of(rows), axis=1, prepend=numpy.uint64(0)).view(numpy.int64)
+    return column(((d << 1) ^ (d >> 63)).view(numpy.uint64))
 
 
 def digits(x):
@@ -90,23 +71,18 @@ def text(name):
         messages = decode(file.read())
     rate = messages[0]["header"]["rate"]
     names = "# t x y z force_x force_y force_z sent_x sent_y sent_z l0 l1 l2 l3 l4 l5 l6 l7 flags lateness_us compute_us"
-    lines = ["# " + "\t".join(names[2:].split())]
+    print("# " + "\t".join(names[2:].split()))
     for message in messages[1:]:
         ticks = message["ticks"]
         n = len(ticks["skipped"])
         number = int(ticks.get("first", 0)) - 1
-        raws = vectors(ticks["rawForce"], n)
-        force = [numbers(ticks["force"][8 * n * a : 8 * n * (a + 1)], n) for a in range(3)]
-        for i, (hip, raw) in enumerate(zip(vectors(ticks["hip"], n), raws)):
+        raw = vectors(ticks["rawForce"], n)
+        triples = [bits.view(float).T for bits in (vectors(ticks["hip"], n), raw, numbers(ticks["force"], n) ^ raw)]
+        for i in range(n):
             number += int(ticks["skipped"][i]) + 1
-            cells = [digits(number / rate)] + [digits(double(b)) for b in hip]
-            cells += [digits(double(b)) for b in raw]
-            cells += [digits(double(force[a][i] ^ raw[a])) for a in range(3)]
-            cells += [str(ticks["levels"][c * n + i]) for c in range(8)]
-            cells += [str(ticks["flags"][i])]
-            cells += [digits(ticks[k][i] / 1000) for k in ("lateness", "compute")]
-            lines.append("\t".join(cells))
-    print("\n".join(lines))
+            cells = [digits(x) for x in (number / rate, *(x for triple in triples for x in triple[i]))]
+            cells += [str(ticks["levels"][c * n + i]) for c in range(8)] + [str(ticks["flags"][i])]
+            print("\t".join(cells + [digits(ticks[k][i] / 1000) for k in ("lateness", "compute")]))
 
 
 def make(name):
@@ -122,7 +98,7 @@ def make(name):
     ticks = {"first": "5", "skipped": ["0", "0", "2", "0"], "flags": [0, 6, 1, 0]}
     ticks.update(lateness=[0, 1500, 100, 4294967295], compute=[1, 2, 3, 4])
     ticks.update(levels=[0] * 4 + [i % 2 for i in range(28)], hip=code(hip), rawForce=code(raw))
-    ticks["force"] = code_force(force, raw)
+    ticks["force"] = column(bits_of(force) ^ bits_of(raw))
     with open(name, "wb") as file:
         file.write(seal([{"header": header}, {"ticks": ticks}]))
 
@@ -210,7 +186,7 @@ def bad(name):
             *((c, "column %s does not fit the chunk" % c, {c: ticks[c][1:]}) for c in columns),
             *((c, "column %s does not fit the chunk" % c, {c: []}) for c in columns),
             ("a number that wraps", "a tick's number is beyond 64 bits",
-             {"skipped": ["0", str(MASK)] + ticks["skipped"][2:]}),
+             {"skipped": ["0", str(2**64 - 1)] + ticks["skipped"][2:]}),
             ("skipped at first", "ticks skipped before", {"skipped": ["1"] + ticks["skipped"][1:]}),
             ("no tick", "a chunk of 0 ticks", {"skipped": []}),
             ("too many ticks", "a chunk of 4097 ticks", {"skipped": ["0"] * 4097}),

@@ -1,7 +1,6 @@
 #include "libcore/device/path.hpp"
 
 #include "tests/unit/catch.hpp"
-#include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;
 
@@ -17,22 +16,4 @@ TEST_CASE("a path is three numbers a line") {
     CHECK(ticks[2].position == Vec3{5e-324, 2, 3});
     CHECK((!ticks[0].next && ticks[1].next && !ticks[2].next));
   }
-}
-
-TEST_CASE("a number that is none is named with its line") {
-  const std::pair<std::string, std::string> cases[] = {
-      {"0 0 0\n# c\n0 zero 0\n", "line 3: 'zero' is not a number"},
-      {"1 2 3 4", "line 1: more than the 3 numbers x y z"},
-      {"1 2 3 next 4", "line 1: more than the 3 numbers x y z"},
-      {"1 2 next", "line 1: 'next' is not a number"},
-      {"0 0\n", "line 1: the 3 numbers x y z are needed, found 2"},
-      {"0 0 inf\n", "line 1: 'inf' is not finite"},
-      {"", "no position in it"},
-      {"1,5 2 3", "line 1: '1,5' is not a number"},
-      {"1 2 1e999", "line 1: '1e999' is beyond double precision"},
-      {"1 2 +-3", "line 1: '+-3' is not a number"},
-      {"1 2 0x10", "line 1: '0x10' is not a number"},
-      {std::string("1 2 3\0", 6), "line 1: '3 ' is not a number"}};
-  for (const auto& wrong : cases)
-    CHECK(testing::refusal([&] { parse_path(wrong.first, "p.txt"); }) == "p.txt: " + wrong.second);
 }

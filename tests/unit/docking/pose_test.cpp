@@ -117,38 +117,6 @@ TEST_CASE("around a ligand on one line nothing turns") {
   CHECK(ligand.distance(still, across) == Approx(std::sqrt(2.0 / 3) * 1.2 * std::sqrt(2.0)));
 }
 
-TEST_CASE("what is no ligand is refused") {
-  CHECK_THROWS_WITH(docking::read_ligand(atom(1, "C", 0, 0, 0, 0)),
-                    ContainsSubstring("fewer than two"));
-  CHECK_THROWS_WITH(docking::read_ligand(atom(1, "", 0, 0, 0, 0) + atom(1, "C", 1, 0, 0, 0)),
-                    ContainsSubstring("has no type"));
-  CHECK_THROWS_WITH(docking::read_ligand("ATOM      1  X\n"), ContainsSubstring("is missing"));
-  CHECK_THROWS_WITH(docking::read_ligand(water() + "BRANCH 1 7\nENDBRANCH 1 7\n"),
-                    ContainsSubstring("an atom of a branch is missing"));
-  CHECK_THROWS_WITH(
-      docking::read_ligand("ATOM      2  X   LIG A   1       1.000   0.000  -0.400  0.00  "
-                           "0.00    +0.200 HD\nBRANCH 2 1\n" +
-                           atom(1, "HD", 1, 0, -0.4, 0.2) + "ENDBRANCH 2 1\n"),
-      ContainsSubstring("lie at one place"));
-  CHECK_THROWS_WITH(docking::read_ligand("ENDBRANCH 1 2\n" + water()),
-                    ContainsSubstring("never began"));
-  std::string many;
-  for (int n = 0; n < 201; ++n) many += atom(1, "C", n, 0, 0, 0);
-  CHECK_THROWS_WITH(docking::read_ligand(many), ContainsSubstring("more than 200"));
-}
-
-TEST_CASE("what is no host is refused") {
-  CHECK(docking::read_host("REMARK\n" + water()).size() == 3);
-  CHECK_THROWS_WITH(docking::read_host("nothing\n"), ContainsSubstring("host: it has no atoms"));
-  CHECK_THROWS_WITH(docking::read_host(atom(1, "", 0, 0, 0, 0)),
-                    ContainsSubstring("host: an atom"));
-  std::string many;
-  for (int n = 0; n < 501; ++n) many += atom(1, "C", n, 0, 0, 0);
-  CHECK_THROWS_WITH(docking::read_host(many), ContainsSubstring("host: it has more than 500"));
-  CHECK_THROWS_WITH(docking::Poses(with(water(), {}), {{"Zn", 2, {0, 0, 5}}}, 20),
-                    ContainsSubstring("no parameters for atoms of type Zn"));
-}
-
 TEST_CASE("a bond that turns carries what lies beyond it, and the centre stays") {
   const docking::Ligand ligand = with(chain(), {0});
   REQUIRE(ligand.torsions.size() == 1);

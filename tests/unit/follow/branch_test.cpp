@@ -5,7 +5,6 @@
 #include "libcore/follow/paper_traversal.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
-#include "tests/unit/count_allocations.hpp"
 #include "tests/unit/follow/line_models.hpp"
 #include "tests/unit/follow/places.hpp"
 
@@ -176,19 +175,4 @@ TEST_CASE("where the hand rests, the state does not go on snapping") {
   // Random links can lead in a circle, which they do at 91 of 42,000 places. If anchors were taken
   // whose branch has ended, it would be 691.
   CHECK(endless * 200 < places);
-}
-
-TEST_CASE("no step allocates, however far the hand jumps") {
-  const Box box{{0, 0, 0}, 1, {12, 11, 10}};
-  const Grid grid = random_grid(box, 40, 4, 3);
-  const auto map = std::make_shared<const BranchNodes>(grid);
-  BranchTraversal t(grid, map);
-  std::mt19937_64 random(3);
-  std::vector<Vec3> path(5000);
-  for (Vec3& x : path) x = random_point(box, random);
-  const std::uint64_t before = allocations();
-  bool usable = true;
-  for (const Vec3& x : path) usable &= t.step(x).usable();
-  CHECK(allocations() == before);
-  CHECK(usable);
 }

@@ -25,11 +25,6 @@ Grid sheets(const Box& box, Level levels) {
   return Grid(spec_for(box, 1), 1, columns);
 }
 
-std::unique_ptr<Traversal> by_rule(bool paper, const Grid& grid) {
-  if (paper) return std::make_unique<PaperTraversal>(grid);
-  return std::make_unique<BranchTraversal>(grid, std::make_shared<const BranchNodes>(grid));
-}
-
 }  // namespace
 
 TEST_CASE("each press goes on to the next level, round and round") {

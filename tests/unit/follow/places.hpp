@@ -1,6 +1,9 @@
 // Boxes and places in them where a traversal can go wrong, and what must hold wherever it is.
 #pragma once
 
+#include <memory>
+
+#include "libcore/follow/branch_traversal.hpp"
 #include "libcore/follow/paper_traversal.hpp"
 #include "tests/unit/catch.hpp"
 #include "tests/unit/follow/random_grid.hpp"
@@ -57,6 +60,11 @@ inline Vec3 random_point_in(const Box& box, const Cell& cell, std::mt19937_64& r
     x[a] = kind == 0 ? low : kind == 1 ? high : std::min(uniform(random, low, high), high);
   }
   return x;
+}
+
+inline std::unique_ptr<Traversal> by_rule(bool paper, const Grid& grid) {
+  if (paper) return std::make_unique<PaperTraversal>(grid);
+  return std::make_unique<BranchTraversal>(grid, std::make_shared<const BranchNodes>(grid));
 }
 
 inline std::vector<double> copy(std::span<const double> s) { return {s.begin(), s.end()}; }

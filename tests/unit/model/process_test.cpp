@@ -5,10 +5,8 @@
 
 #include "libcore/model/process_model.hpp"
 #include "tests/unit/catch.hpp"
-#include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;
-using namespace hapgrid::testing;
 
 namespace {
 
@@ -19,6 +17,7 @@ std::vector<std::string> puppet(const std::string& fault, const std::string& at 
   return {"python3", "puppet.py", fault, at};
 }
 
+/// tests/cli/process/refuse.sh has what is said of processes.
 std::unique_ptr<Model> create(std::vector<std::string> words, double timeout = kSeconds,
                               double start_timeout = kSeconds) {
   return ProcessSource("puppet", std::move(words), kProcesses, {timeout, start_timeout}).create({});
@@ -94,54 +93,10 @@ TEST_CASE("a question that kills every process fails alone, after three attempts
   CHECK(model->known_states({4, 0, 0}) == std::vector<double>{0.5, 4});
 }
 
-TEST_CASE("what became of a process is said") {
-  const std::pair<std::string, std::string> faults[] = {
-      {"die", "exited with status 7"},
-      {"crash", "was killed by signal 11 (Segmentation fault)"},
-      {"hang", "gave no answer within 0.3 s"},
-      {"close", "closed its standard output and stayed"},
-      {"id", "answered a question 4000000000 that it does not have"},
-      {"short", "an answer with 1 numbers in \"s\", not 2"},
-      {"huge", "wrote a line of more than 4224 bytes"}};
-  const auto error = [](const std::string& fault) {
-    auto model = create(puppet(fault), fault == "hang" ? 0.3 : kSeconds);
-    return convert(*model, 1).errors[0];
-  };
-  for (const auto& [fault, what] : faults)
-    CHECK(error(fault) ==
-          "process 'python3 puppet.py " + fault + " 1' " + what + "; asked 3 times");
-  CHECK(error("fail") == "told to fail");
-  CHECK(error("garbage").find("' printed 'Segmentation fault (core dumped)' to standard output") !=
-        std::string::npos);
-}
-
-TEST_CASE("a process that does not get as far as saying what it is") {
-  const auto why = [](std::vector<std::string> words, double timeout = kSeconds) {
-    return refusal([&] { create(std::move(words), timeout, timeout); });
-  };
-  const std::string who = "model puppet: process 'python3 puppet.py ";
-  CHECK(why(puppet("unknown-key")).find(who + "unknown-key 1' unknown key \"tolerence\"") == 0);
-  CHECK(why(puppet("no-size")) == who + "no-size 1' its first line has no \"state_size\"");
-  CHECK(
-      why(puppet("mute"), 0.5) ==
-      who +
-          "mute 1' did not say what it is within 0.5 s; a longer timeout in [model] gives it more");
-  CHECK(why(puppet("dead")) == who + "dead 1' exited with status 5 before it had said what it is");
-  CHECK(why(puppet("binary"))
-            .starts_with(who + "binary 1' printed '?"
-                               "?' to standard output, "));
-  CHECK(why(puppet("import"))
-            .starts_with(
-                who + "import 1' exited with status 1 before it had said what it is: "
-                      "ModuleNotFoundError: No module named 'no_such_module' (the program is /"));
-  CHECK(why({"./puppet.py"})
-            .find("model puppet: process './puppet.py' cannot be started in " + kProcesses +
-                  ": Permission denied") == 0);
-  CHECK(
-      why({"no-such-program"}).ends_with("cannot be started: no program no-such-program in PATH"));
-  CHECK(why({"./nothing"}).find("No such file or directory") != std::string::npos);
-  CHECK(why({"true"}) ==
-        "model puppet: process 'true' exited with status 0 before it had said what it is");
+TEST_CASE("a process that does not say in time what it is") {
+  CHECK_THROWS_WITH(create(puppet("mute"), 0.5, 0.5),
+                    "model puppet: process 'python3 puppet.py mute 1' did not say what it is "
+                    "within 0.5 s; a longer timeout in [model] gives it more");
 }
 
 TEST_CASE("no process is left, not even one that does not want to end") {

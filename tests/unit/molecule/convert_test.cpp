@@ -6,7 +6,6 @@
 #include "tools/apps/molecule/conversion.hpp"
 
 using namespace molecules;
-using Catch::Matchers::StartsWith;
 using namespace hapgrid;
 
 namespace {
@@ -69,12 +68,6 @@ TEST_CASE("torsions and the energy of the molecule itself") {
     s[9] = 0.5;
     CHECK(model->own_energy(s.data()) == Approx(molecule.paths[k].energies.back()).epsilon(1e-9));
   }
-  for (const char* const wrong :
-       {"", "phi", "phi 1 2 3", "phi 0 1 2 3", "phi 1 2 3 23", "phi 1 2 3 3", "phi 1 2 3 4 5",
-        "phi 1 2 3 x", "a-name-of-more-than-23-letters 1 2 3 4"})
-    CHECK_THROWS_WITH(
-        kDipeptide.make({{"torsions", std::vector<std::string>{wrong}}}),
-        StartsWith("model molecule: parameter torsions: '" + std::string(wrong) + "' is not like"));
 }
 
 TEST_CASE("without contact the model knows the state 0 and stays there") {
@@ -132,19 +125,6 @@ TEST_CASE("a held atom leads dichloroethane over its barrier and back, and what 
   };
   for (int k = 1; k <= 20; ++k) to(k * 0.02);
   for (int k = 19; k >= -20; --k) to(k * 0.02);
-}
-
-TEST_CASE("atoms to hold or to fix that make no sense are refused") {
-  const auto made = [](const char* key, std::vector<double> atoms) {
-    kButane.make({{key, std::move(atoms)}});
-  };
-  CHECK_THROWS_WITH(made("hold", {0}), StartsWith("model molecule: parameter hold is 0, it must be "
-                                                  "the number of an atom, from 1 to 14"));
-  CHECK_THROWS_WITH(made("fixed", {15, 1, 2}), StartsWith("model molecule: parameter fixed is 15"));
-  CHECK_THROWS_WITH(made("hold", {2.5}), StartsWith("model molecule: parameter hold is 2.5"));
-  CHECK_THROWS_WITH(made("hold", {2, 2}), StartsWith("model molecule: parameter hold has an atom"));
-  CHECK_THROWS_WITH(made("fixed", {1, 2}),
-                    StartsWith("model molecule: parameter fixed: its atoms"));
 }
 
 TEST_CASE("a molecule without paths is pushed as a whole, also when it lies on a line") {

@@ -1,4 +1,4 @@
-// The stream of frames: what was written is read, and nothing else is.
+// The stream of frames: what was written is read; tests/cli/view/view.sh has what is refused.
 #include "libcore/scene/stream.hpp"
 
 #include <sys/socket.h>
@@ -14,7 +14,6 @@
 
 using namespace hapgrid;
 using namespace hapgrid::testing;
-using Catch::Matchers::Equals;
 using Catch::Matchers::StartsWith;
 
 namespace {
@@ -53,7 +52,6 @@ bool same(const Frame& a, const Frame& b) {
 }
 
 const Bytes kStart = scene_bytes(kScene);
-const char* const kBadSphere = "a sphere whose radius, colour or label is impossible";
 
 }  // namespace
 
@@ -147,43 +145,4 @@ TEST_CASE("a claim beyond the limit takes no memory") {
   bytes[1] = std::byte{2};
   CHECK_THROWS_WITH(read_all(bytes),
                     "f: byte 0: neither a grid nor a stream of frames, or damaged");
-}
-
-TEST_CASE("values that cannot be are refused") {
-  const auto refuses_scene = [](auto&& change, const std::string& what) {
-    Scene scene = kScene;
-    change(scene);
-    CHECK_THROWS_WITH(read_all(scene_bytes(scene)), StartsWith("f: byte 0: " + what));
-  };
-  const double nan = std::nan("");
-  refuses_scene([](Scene& s) { s.box.spacing = 0; }, "");
-  refuses_scene([&](Scene& s) { s.box.origin[1] = nan; }, "");
-  refuses_scene([](Scene& s) { s.box.counts = {1u << 16, 1u << 16, 2}; }, "");
-  refuses_scene([](Scene& s) { s.state_size = 0; }, "a state of 0 components");
-  refuses_scene([](Scene& s) { s.state_size = kMaxStateSize + 1; },
-                "a state of 1048577 components");
-  refuses_scene([](Scene& s) { s.hip_radius = -1; }, "the radius of the HIP is negative");
-  refuses_scene([](Scene& s) { s.spheres[1].radius = -1; }, kBadSphere);
-  refuses_scene([&](Scene& s) { s.spheres[1].radius = static_cast<float>(nan); }, kBadSphere);
-  refuses_scene([](Scene& s) { s.spheres[1].colour[2] = INFINITY; }, kBadSphere);
-  refuses_scene([](Scene& s) { s.model.assign(256, 'm'); },
-                "a model's name of 256 bytes, the limit is 255");
-  refuses_scene(
-      [](Scene& s) {
-        s.torsions.assign(1, {{0, 1, 2, 3}, "phi"});
-      },
-      "a torsion of sphere 3, which is not there");
-  refuses_scene([](Scene& s) { s.torsions.assign(5000, {}); }, "5000 torsions; 4096 are possible");
-  refuses_scene([](Scene& s) { s.spheres[0].label.assign(8, 'm'); }, kBadSphere);
-
-  const auto refuses_frame = [](auto&& change, const std::string& what) {
-    Frame frame = small_frame(1);
-    change(frame);
-    CHECK_THROWS_WITH(read_all(kStart + frame_bytes(frame)),
-                      Equals("f: byte " + std::to_string(kStart.size()) + ": " + what));
-  };
-  refuses_frame([&](Frame& f) { f.time_s = nan; }, "the time is not finite");
-  refuses_frame([](Frame& f) { f.row.push_back(0); }, "state: 3 values, the scene has 2");
-  refuses_frame([](Frame& f) { f.row.clear(); }, "state: 0 values, the scene has 2");
-  refuses_frame([](Frame& f) { f.centres.pop_back(); }, "centres: 8 values, the scene has 9");
 }

@@ -46,28 +46,6 @@ TEST_CASE("the hand's part of a session") {
           " bytes of memory, the limit is " + std::to_string(5000 * sizeof(DeviceInput) - 1));
 }
 
-TEST_CASE("a replay gives back its ticks, and says what was missed") {
-  ReplayDevice device({{.position = {1, 2, 3}, .clutch = true},
-                       {.position = {4, 5, 6}, .stalled = true, .missed = 2}});
-  CHECK(device.size() == 2);
-  CHECK(device.info().name == "replay");
-  CHECK(device.info().unit == DeviceInfo::Unit::kModel);
-  DeviceInput input;
-  REQUIRE(device.read(input) == DeviceStatus::kOk);
-  CHECK(input.position == Vec3{1, 2, 3});
-  CHECK((input.clutch && !input.stalled && input.missed == 0));
-  REQUIRE(device.read(input) == DeviceStatus::kOk);
-  CHECK(input.position == Vec3{4, 5, 6});
-  CHECK((!input.clutch && input.stalled && input.missed == 2));
-  CHECK(device.send({0, 1, 0}) == DeviceStatus::kOk);
-  CHECK(device.force() == Vec3{0, 1, 0});
-  CHECK(device.read(input) == DeviceStatus::kEnd);
-  CHECK(device.read(input) == DeviceStatus::kEnd);
-  CHECK(input.position == Vec3{4, 5, 6});
-  CHECK(device.stop() == DeviceStatus::kOk);
-  CHECK(device.force() == Vec3{0, 0, 0});
-}
-
 TEST_CASE("a replay's read() and send() do not allocate") {
   ReplayDevice device(std::vector<DeviceInput>(1000));
   CHECK(ticks_without_allocating(device, 1001) == 1000);

@@ -20,10 +20,6 @@ void write(const std::string& file, const std::vector<TickRecord>& ticks, std::u
   writer.finish(dropped);
 }
 
-void put_bytes(const std::string& file, const std::string& bytes) {
-  std::ofstream(file, std::ios::binary | std::ios::trunc) << bytes;
-}
-
 }  // namespace
 
 TEST_CASE("a session comes back to the last bit, and again after rewind()") {
@@ -42,24 +38,6 @@ TEST_CASE("a session comes back to the last bit, and again after rewind()") {
       CHECK(reader.dropped() == 0);
     }
   }
-}
-
-TEST_CASE("a session that was interrupted has all its whole chunks") {
-  const TemporaryDirectory directory;
-  const std::string file = directory.file("x.session");
-  const std::vector<TickRecord> ticks = random_ticks(9000, 5);
-  put_bytes(file, "an old one");
-  {
-    SessionWriter writer(file, small_header());
-    for (const TickRecord& tick : ticks) writer.add(tick, 3);
-    // Another process can read it meanwhile.
-    SessionReader reader(file);
-    CHECK(same(rest_of(reader), {ticks.begin(), ticks.begin() + 8192}));
-    CHECK(reader.dropped() == 3);
-  }
-  SessionReader reader(file);
-  CHECK(same(rest_of(reader), {ticks.begin(), ticks.begin() + 8192}));
-  CHECK(reader.ended_early() == "");
 }
 
 // By the rules of the reader: cli/stats/session has what they are.

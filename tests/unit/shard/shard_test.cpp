@@ -220,31 +220,3 @@ TEST_CASE("chunks of a grid stay below 64 KiB, or 1 MiB, and keep to their point
     }
   }
 }
-
-TEST_CASE("sections that are concatenated are found again, from any number of files") {
-  Random random(2005);
-  for (int i = 0; i < 25; ++i) {
-    CAPTURE(i);
-    const TemporaryDirectory dir;
-    SectionHeader header{i % 2 ? Content::kGrid : Content::kRequests, 2,
-                         make_spec(draw(random, 1, 3),
-                                   {draw(random, 1, 30), draw(random, 1, 9), draw(random, 1, 9)})};
-    if (i % 3) header.spec = storing(header.spec);
-    std::vector<std::vector<Row>> written(draw(random, 1, 6));
-    std::vector<std::string> names;
-    std::uint64_t bytes = 0;
-    for (std::vector<Row>& rows : written) {
-      rows = random_rows(random, header, i % 10 ? draw(random, 0, 60) : 3000);
-      if (names.empty() || random() % 2) names.push_back(dir.file(std::to_string(names.size())));
-      write(names.back(), header, rows);
-    }
-    const std::vector<Section> opened = open_sections(names);
-    REQUIRE(opened.size() == written.size());
-    for (std::size_t s = 0; s < opened.size(); ++s) {
-      REQUIRE(read_rows(opened[s]) == written[s]);
-      bytes += opened[s].end - opened[s].begin;
-    }
-    for (const std::string& name : names) bytes -= std::filesystem::file_size(name);
-    REQUIRE(bytes == 0);
-  }
-}
