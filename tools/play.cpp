@@ -189,8 +189,8 @@ void apply_file(PlayOptions& options) {
 /// Opens a device. Where that fails, it says which permissions lack.
 ProcessDevice open_alone(const PlayOptions& options) {
   try {
-    return ProcessDevice(adapter_program(std::get<AdapterChoice>(*options.device),
-                                         given_settings(options), options.rate_hz));
+    return ProcessDevice(
+        adapter_program(*options.device, given_settings(options), options.rate_hz));
   } catch (const DeviceError&) {
     for (const std::string& help : permissions_lacking()) say("play", help);
     throw;
