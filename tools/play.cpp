@@ -148,7 +148,7 @@ std::jthread watch(Device& device, const std::atomic<std::uint64_t>& heartbeat,
 /// start, and in `facts`, what the system gave.
 template <class Use>
 LoopSummary drive(Device& device, Mapping& mapping, Traversal& traversal, SafetyCore& safety,
-                  PlayedForce& force, const LoopOptions& loop, RealtimeMode wanted, RunFacts& facts,
+                  PlayForce& force, const LoopOptions& loop, RealtimeMode wanted, RunFacts& facts,
                   const Use& use) {
   std::atomic<std::uint64_t> heartbeat{0};
   const std::jthread watchdog = watch(device, heartbeat, loop);
@@ -263,7 +263,7 @@ int play(const PlayOptions& options) {
                  .beside = beside,
                  .answers = open.adapter ? &open.adapter->delays() : nullptr,
                  .declared_delay = settings.safety.delay_ticks};
-  PlayedForce played{follower.force, settings.safety.gain, mapping.scale()};
+  follower.force.set_device(settings.safety.gain, mapping.scale());
   // As late as possible: an older session of that name is lost now. A signal that came before the
   // first tick leaves it.
   Log log(caught_signal == 0 ? options.log : "", grid, rate_hz, loop.paced(), open.ticks,
@@ -278,7 +278,7 @@ int play(const PlayOptions& options) {
     progress.emplace(
         [&](double) { return format("play: {} ticks", short_number(static_cast<double>(ticks))); });
   const LoopSummary summary =
-      drive(device, mapping, *follower.traversal, safety, played, loop,
+      drive(device, mapping, *follower.traversal, safety, follower.force, loop,
             options.realtime.value_or(RealtimeMode::kTry), facts, [&](const Tick& tick) {
               log.add(tick);
               viewers.show(tick);

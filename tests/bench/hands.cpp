@@ -147,7 +147,7 @@ int play(Options& options) {
   viewers.start(
       grid.spec(), grid.create, rate, /*paced=*/false, caught_signal,
       std::min(settings.safety.max_force, settings.safety.gain * follower.force.largest()));
-  PlayedForce force{follower.force, settings.safety.gain, mapping.scale()};
+  follower.force.set_device(settings.safety.gain, mapping.scale());
   Log log(options.log, grid, rate, /*paced=*/false, ~std::size_t{0},
           {.limits = settings.safety,
            .scale = mapping.scale(),
@@ -165,8 +165,8 @@ int play(Options& options) {
     now.given = 1e3 * device.work();
     now.returned = std::max(now.returned, now.given - now.stored);
   };
-  const LoopSummary summary = run_loop(device, mapping, *follower.traversal, safety, force, sink,
-                                       caught_signal, heartbeat, {.unpaced_hz = rate});
+  const LoopSummary summary = run_loop(device, mapping, *follower.traversal, safety, follower.force,
+                                       sink, caught_signal, heartbeat, {.unpaced_hz = rate});
   log.finish();
   viewers.finish();
   write(sessions, options.table);
