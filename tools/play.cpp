@@ -217,7 +217,6 @@ int play(const PlayOptions& options) {
   // Where another thread's heap grows, the kernel fills the new pages of locked memory while the
   // loop waits: let it grow seldom, and before the loop begins.
   if (is_live(*options.device)) ::mallopt(M_TOP_PAD, 8 << 20);
-  Viewers viewers(options.frames, keys_of(*options.device));
   const PlayedGrid grid(options.grid, options.model);
   const GridSpec& spec = grid.spec();
 
@@ -252,8 +251,9 @@ int play(const PlayOptions& options) {
   const double rate_hz = loop.tick_rate_hz();
   Mapping mapping(settings.mapping, device.info(), spec.box);
   SafetyCore safety(settings.safety);
-  viewers.start(
-      spec, grid.create, rate_hz, loop.paced(), caught_signal,
+  Viewers viewers(
+      options.frames, keys_of(*options.device), spec, grid.create, rate_hz, loop.paced(),
+      caught_signal,
       std::min(settings.safety.max_force, settings.safety.gain * follower.force.largest()));
   RunFacts facts{.model = spec.model,
                  .device = device.info().name,

@@ -143,9 +143,8 @@ int play(Options& options) {
                     /*live=*/false);
   SafetyCore safety(settings.safety);
   const CaughtSignals signals;
-  Viewers viewers(options.frames, "");
-  viewers.start(
-      grid.spec(), grid.create, rate, /*paced=*/false, caught_signal,
+  Viewers viewers(
+      options.frames, "", grid.spec(), grid.create, rate, /*paced=*/false, caught_signal,
       std::min(settings.safety.max_force, settings.safety.gain * follower.force.largest()));
   follower.force.set_device(settings.safety.gain, mapping.scale());
   Log log(options.log, grid, rate, /*paced=*/false, ~std::size_t{0},
