@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <filesystem>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -93,11 +92,6 @@ OpenDevice open_adapter(AdapterProgram program) {
   auto device = std::make_unique<ProcessDevice>(std::move(program));
   const ProcessDevice* const adapter = device.get();
   return {.device = std::move(device), .session = {}, .adapter = adapter};
-}
-
-/// The folder of this program, in which the guard and our adapters are, too.
-std::filesystem::path own_folder() {
-  return std::filesystem::read_symlink("/proc/self/exe").parent_path();
 }
 
 }  // namespace
