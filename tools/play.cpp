@@ -25,16 +25,12 @@
 #include "tools/common/terminal_turn.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/play/beside.hpp"
-#include "tools/play/bring_up.hpp"
 #include "tools/play/devices.hpp"
-#include "tools/play/list_devices.hpp"
+#include "tools/play/instead.hpp"
 #include "tools/play/log.hpp"
 #include "tools/play/options.hpp"
 #include "tools/play/prepared.hpp"
-#include "tools/play/refusals.hpp"
 #include "tools/play/report.hpp"
-#include "tools/play/selftest.hpp"
-#include "tools/play/try_device.hpp"
 #include "tools/play/viewers.hpp"
 
 using namespace hapgrid;

@@ -1,5 +1,3 @@
-#include "tools/play/refusals.hpp"
-
 #include <unistd.h>
 
 #include <string>
@@ -12,6 +10,7 @@
 #include "tools/common/tool.hpp"
 #include "tools/play/beside.hpp"
 #include "tools/play/log.hpp"
+#include "tools/play/options.hpp"
 
 namespace hapgrid {
 
