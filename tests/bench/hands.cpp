@@ -52,7 +52,7 @@ void add_options(CommandLine& app, Options& options) {
          "Rule, as play has it.")
       .type("RULE")
       .check([](const std::string& name) { return rule_named(name).has_value(); },
-             "one of " + rule_names());
+             std::string("one of ") + kRuleNames);
   app.add("--beside", options.beside, "The model beside the grid, as play has it.")
       .type("on|off|TICKS")
       .check(is_beside, "on, off or a number of ticks");
