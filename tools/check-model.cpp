@@ -163,12 +163,10 @@ int run(const Options& options) {
       if (!no_estimate.starts_with("too few steps"))
         no_estimate = "the search of a coarser grid failed: " + no_estimate;
     }
-  OutputFile output(options.output, /*binary=*/false);
-  if (options.format == "json")
-    output.write(report_json(spec, info, found, estimate));
-  else
-    output.write(printable_text(report_text(spec, info, found, estimate, no_estimate)));
-  output.commit();
+  write_text(options.output,
+             options.format == "json"
+                 ? report_json(spec, info, found, estimate)
+                 : printable_text(report_text(spec, info, found, estimate, no_estimate)));
   say("check-model", verdict_line(found.checks));
   return is_fine(found.checks) ? kExitDone : kExitInvalid;
 }

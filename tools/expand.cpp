@@ -14,6 +14,7 @@
 #include "libcore/base/file.hpp"
 #include "libcore/base/format.hpp"
 #include "libcore/base/parallel.hpp"
+#include "libcore/base/text.hpp"
 #include "libcore/search/complete.hpp"
 #include "libcore/search/levels.hpp"
 #include "libcore/shard/writer.hpp"
@@ -104,10 +105,14 @@ void write_requests(const Section& grid, Part part, Converter& converter, Progre
   requests.finish();
 }
 
+/// "auto", or "K/N" with 1 <= K <= N < 2^32, which keeps the arithmetic of cutting inside 64 bits.
 Part part_of(const std::string& text) {
   if (text == "auto") return part_of_launcher();
-  const auto [number, of] = parse_part("--part", text);
-  return {number, of};
+  Part part;
+  if (!parse_two(text, '/', part.number, part.of) || part.number < 1 || part.number > part.of ||
+      part.of >= std::uint64_t{1} << 32)
+    throw UsageError(format("--part: '{}' is not K/N with 1 <= K <= N < 2^32", text));
+  return part;
 }
 
 /// Is there a file `name` with what expand makes of `grid`? @throw FormatError when it holds

@@ -59,7 +59,11 @@ std::uint32_t write_merged(const std::vector<std::string>& names, const Options&
 }
 
 int run(const Options& options) {
-  const std::vector<std::string> names = inputs_or_stdin(options.shards);
+  std::vector<std::string> names = options.shards;
+  if (names.empty()) names.push_back("-");
+  if (std::count(names.begin(), names.end(), "-") > 1)
+    throw UsageError("standard input can be read only once");
+  for (const std::string& name : names) announce_terminal(name);
   if (options.small && names.size() > 1) throw UsageError("--small: takes one grid");
   for (const std::string& name : names) keep_inputs({{"--cost", options.cost}}, {{name, "input"}});
   const std::uint32_t generation =
@@ -81,7 +85,9 @@ int main(int argc, char** argv) {
       "and the requests come in any order and any number of shards; requests that are missing\n"
       "are an error. A grid without frontier stays as it is. The whole grid is held in memory."};
   app.set_help("merge");
-  add_inputs(app, options.shards, "The grid and all requests of its frontier");
+  app.add("shard", options.shards,
+          "The grid and all requests of its frontier ('-' or none: standard input)")
+      .type("SHARD");
   add_output(app, options.output);
   app.add_flag("--small", options.small,
                "Write a finished grid in large chunks at a high zstd level, for keeping and for "

@@ -25,16 +25,12 @@
 #include "tools/common/terminal_turn.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/play/beside.hpp"
-#include "tools/play/bring_up.hpp"
 #include "tools/play/devices.hpp"
-#include "tools/play/list_devices.hpp"
+#include "tools/play/instead.hpp"
 #include "tools/play/log.hpp"
 #include "tools/play/options.hpp"
 #include "tools/play/prepared.hpp"
-#include "tools/play/refusals.hpp"
 #include "tools/play/report.hpp"
-#include "tools/play/selftest.hpp"
-#include "tools/play/try_device.hpp"
 #include "tools/play/viewers.hpp"
 
 using namespace hapgrid;
@@ -148,7 +144,7 @@ std::jthread watch(Device& device, const std::atomic<std::uint64_t>& heartbeat,
 /// start, and in `facts`, what the system gave.
 template <class Use>
 LoopSummary drive(Device& device, Mapping& mapping, Traversal& traversal, SafetyCore& safety,
-                  PlayedForce& force, const LoopOptions& loop, RealtimeMode wanted, RunFacts& facts,
+                  PlayForce& force, const LoopOptions& loop, RealtimeMode wanted, RunFacts& facts,
                   const Use& use) {
   std::atomic<std::uint64_t> heartbeat{0};
   const std::jthread watchdog = watch(device, heartbeat, loop);
@@ -189,8 +185,8 @@ void apply_file(PlayOptions& options) {
 /// Opens a device. Where that fails, it says which permissions lack.
 ProcessDevice open_alone(const PlayOptions& options) {
   try {
-    return ProcessDevice(adapter_program(std::get<AdapterChoice>(*options.device),
-                                         given_settings(options), options.rate_hz));
+    return ProcessDevice(
+        adapter_program(*options.device, given_settings(options), options.rate_hz));
   } catch (const DeviceError&) {
     for (const std::string& help : permissions_lacking()) say("play", help);
     throw;
@@ -217,7 +213,6 @@ int play(const PlayOptions& options) {
   // Where another thread's heap grows, the kernel fills the new pages of locked memory while the
   // loop waits: let it grow seldom, and before the loop begins.
   if (is_live(*options.device)) ::mallopt(M_TOP_PAD, 8 << 20);
-  Viewers viewers(options.frames, keys_of(*options.device));
   const PlayedGrid grid(options.grid, options.model);
   const GridSpec& spec = grid.spec();
 
@@ -252,8 +247,9 @@ int play(const PlayOptions& options) {
   const double rate_hz = loop.tick_rate_hz();
   Mapping mapping(settings.mapping, device.info(), spec.box);
   SafetyCore safety(settings.safety);
-  viewers.start(
-      spec, grid.create, rate_hz, loop.paced(), caught_signal,
+  Viewers viewers(
+      options.frames, keys_of(*options.device), spec, grid.create, rate_hz, loop.paced(),
+      caught_signal,
       std::min(settings.safety.max_force, settings.safety.gain * follower.force.largest()));
   RunFacts facts{.model = spec.model,
                  .device = device.info().name,
@@ -263,7 +259,7 @@ int play(const PlayOptions& options) {
                  .beside = beside,
                  .answers = open.adapter ? &open.adapter->delays() : nullptr,
                  .declared_delay = settings.safety.delay_ticks};
-  PlayedForce played{follower.force, settings.safety.gain, mapping.scale()};
+  follower.force.set_device(settings.safety.gain, mapping.scale());
   // As late as possible: an older session of that name is lost now. A signal that came before the
   // first tick leaves it.
   Log log(caught_signal == 0 ? options.log : "", grid, rate_hz, loop.paced(), open.ticks,
@@ -278,7 +274,7 @@ int play(const PlayOptions& options) {
     progress.emplace(
         [&](double) { return format("play: {} ticks", short_number(static_cast<double>(ticks))); });
   const LoopSummary summary =
-      drive(device, mapping, *follower.traversal, safety, played, loop,
+      drive(device, mapping, *follower.traversal, safety, follower.force, loop,
             options.realtime.value_or(RealtimeMode::kTry), facts, [&](const Tick& tick) {
               log.add(tick);
               viewers.show(tick);

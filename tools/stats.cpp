@@ -71,12 +71,6 @@ std::string value_line(const Json& value) {
          "\n";
 }
 
-void write_all(const std::string& name, const std::string& text) {
-  OutputFile output(name, /*binary=*/false);
-  output.write(text);
-  output.commit();
-}
-
 /// The report on the whole grid, or one value of it.
 std::string report(const Options& options, const Grid& grid, std::uint64_t stored_bytes) {
   CostSums sums;
@@ -115,10 +109,10 @@ bool is_frames(const InputFile& file) {
 void show_grid(const Options& options, const Section& section) {
   if (!options.get.empty())
     if (const auto value = value_from_footer(options.get, section))
-      return write_all(options.output, value_line(*value));
+      return write_text(options.output, value_line(*value));
   const Grid grid = load_grid(section);
   if (!options.npy.empty()) return write_grid_array(grid, options.npy);
-  write_all(options.output, report(options, grid, section.size()));
+  write_text(options.output, report(options, grid, section.size()));
 }
 
 int run(const Options& options) {

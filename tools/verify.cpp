@@ -1,6 +1,5 @@
 // verify: whether a grid is what Algorithm 1 promises, and what the model says today.
 
-#include <charconv>
 #include <limits>
 #include <string>
 #include <vector>
@@ -52,10 +51,7 @@ constexpr const char* kChecks =
 /// How many records --recompute asks for; false for anything but "all", "none" and a number.
 bool parse_recompute(const std::string& text, std::uint64_t& count) {
   count = text == "all" ? std::numeric_limits<std::uint64_t>::max() : 0;
-  if (text == "all" || text == "none") return true;
-  const char* end = text.data() + text.size();
-  const auto read = std::from_chars(text.data(), end, count);
-  return read.ec == std::errc() && read.ptr == end;
+  return text == "all" || text == "none" || parse_number(text, count);
 }
 
 std::string report(const Grid& grid, const std::vector<Check>& checks, const Options& options) {
@@ -65,9 +61,7 @@ std::string report(const Grid& grid, const std::vector<Check>& checks, const Opt
 
 /// Writes the report and the verdict. @returns the exit code
 int tell(const Grid& grid, const std::vector<Check>& checks, const Options& options) {
-  OutputFile output(options.output, /*binary=*/false);
-  output.write(report(grid, checks, options));
-  output.commit();
+  write_text(options.output, report(grid, checks, options));
   say("verify", verdict_line(checks));
   return is_broken(checks) ? kExitInvalid : is_fine(checks) ? kExitDone : kExitNotProved;
 }

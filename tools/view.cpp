@@ -4,7 +4,6 @@
 #include <arpa/inet.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -23,11 +22,9 @@
 #include "tools/common/inputs.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/view/grid_page.hpp"
-#include "tools/view/imd.hpp"
+#include "tools/view/live.hpp"
 #include "tools/view/page/page.hpp"
-#include "tools/view/terminal.hpp"
 #include "tools/view/trajectory.hpp"
-#include "tools/view/web.hpp"
 
 using namespace hapgrid;
 
@@ -53,50 +50,33 @@ struct Options {
   bool wants_report() const { return xyz.empty() && png.empty() && html.empty(); }
 };
 
-/// Two numbers and what stands between them; nothing when the text is not that.
-template <class Number>
-std::optional<std::pair<Number, Number>> parse_two(const std::string& text, char between) {
-  std::pair<Number, Number> two;
-  const char* const end = text.data() + text.size();
-  const auto first = std::from_chars(text.data(), end, two.first);
-  if (first.ec != std::errc() || first.ptr == end || *first.ptr != between) return std::nullopt;
-  const auto second = std::from_chars(first.ptr + 1, end, two.second);
-  if (second.ec != std::errc() || second.ptr != end) return std::nullopt;
-  return two;
-}
-
 /// WxH in pixels; nothing when it is not that.
 std::optional<std::pair<int, int>> parse_size(const std::string& text) {
-  const auto size = parse_two<int>(text, 'x');
-  if (!size || std::min(size->first, size->second) < 1 ||
-      std::max(size->first, size->second) > kMaxPixels)
+  std::pair<int, int> size;
+  auto& [width, height] = size;
+  if (!parse_two(text, 'x', width, height) || std::min(width, height) < 1 ||
+      std::max(width, height) > kMaxPixels)
     return std::nullopt;
   return size;
 }
 
 /// AZIMUTH,ELEVATION in degrees; nothing when it is not that.
 std::optional<std::pair<double, double>> parse_from(const std::string& text) {
-  const auto from = parse_two<double>(text, ',');
-  if (!from || !(std::abs(from->first) <= 360) || !(std::abs(from->second) <= 90))
+  std::pair<double, double> from;
+  auto& [azimuth, elevation] = from;
+  if (!parse_two(text, ',', azimuth, elevation) || !(std::abs(azimuth) <= 360) ||
+      !(std::abs(elevation) <= 90))
     return std::nullopt;
   return from;
 }
 
-struct Place {
-  std::string address = "127.0.0.1";
-  int port = 0;
-};
-
 /// [ADDRESS:]PORT; nothing when it is not that.
 std::optional<Place> parse_place(const std::string& text) {
-  Place place;
+  Place place{.address = "127.0.0.1"};
   const std::size_t colon = text.find(':');
   if (colon != text.npos) place.address = text.substr(0, colon);
-  const char* const begin = text.data() + (colon == text.npos ? 0 : colon + 1);
-  const char* const end = text.data() + text.size();
-  const auto port = std::from_chars(begin, end, place.port);
   in_addr address{};
-  if (port.ec != std::errc() || port.ptr != end || place.port < 0 || place.port > 65535 ||
+  if (!parse_number(text.substr(colon + 1), place.port) || place.port < 0 || place.port > 65535 ||
       ::inet_pton(AF_INET, place.address.c_str(), &address) != 1)
     return std::nullopt;
   return place;
@@ -203,11 +183,11 @@ int run(const Options& options) {
   if (is_grid(options.frames)) return run_grid(options, how);
   if (!options.web.empty() || !options.terminal.empty()) fit_to_file(options.frames, how);
   if (const auto place = parse_place(options.web)) {
-    run_web(options.frames, {how, place->address, place->port});
+    run_web(options.frames, *place, how);
     return kExitDone;
   }
   if (const auto place = parse_place(options.imd)) {
-    run_imd(options.frames, place->address, place->port);
+    run_imd(options.frames, *place);
     return kExitDone;
   }
   if (!options.terminal.empty()) {
@@ -249,11 +229,7 @@ int run(const Options& options) {
     html->commit();
   }
   if (xyz) xyz->commit();
-  if (options.wants_report()) {
-    OutputFile output("-", /*binary=*/false);
-    output.write(printable_text(report.text(scene)));
-    output.commit();
-  }
+  if (options.wants_report()) write_text("-", printable_text(report.text(scene)));
   return kExitDone;
 }
 

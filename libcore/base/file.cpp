@@ -122,14 +122,10 @@ void change_unfinished(const std::string* before, const std::string* now) {
   }
 }
 
-/// What a zstd frame begins with (RFC 8878, 3.1.1).
-constexpr std::array kFrameMagic{std::byte{0x28}, std::byte{0xB5}, std::byte{0x2F},
-                                 std::byte{0xFD}};
-
 /// Copies a stream until it ends, or only its first bytes when these are no zstd frame.
 /// Answers how much that is.
 std::uint64_t copy_stream(int from, int to, const std::string& name) {
-  constexpr std::size_t kFirst = kFrameMagic.size();
+  constexpr std::size_t kFirst = kZstdMagic.size();
   const std::string copy = format("{}, copied to {}", name, temporary_directory().string());
   std::array<std::byte, 1 << 16> buffer;
   std::uint64_t size = 0;
@@ -141,7 +137,7 @@ std::uint64_t copy_stream(int from, int to, const std::string& name) {
     else
       break;
   // A terminal that has said its end is not asked again: it would wait for more.
-  const bool goes_on = std::equal(kFrameMagic.begin(), kFrameMagic.end(), buffer.begin(),
+  const bool goes_on = std::equal(kZstdMagic.begin(), kZstdMagic.end(), buffer.begin(),
                                   buffer.begin() + static_cast<std::ptrdiff_t>(count));
   do {
     write_all(to, std::span(buffer).first(count), copy);
@@ -276,6 +272,12 @@ void OutputFile::commit() {
   fd_ = -1;
 }
 
+void write_text(const std::string& name, const std::string& text) {
+  OutputFile output(name, /*binary=*/false);
+  output.write(text);
+  output.commit();
+}
+
 InputFile::InputFile(const std::string& name) : shown_name_(name) {
   if (shown_name_ == "-") {
     fd_ = STDIN_FILENO;
@@ -335,6 +337,11 @@ std::string read_regular_text(const std::string& name, std::uint64_t limit) {
   if (const mode_t mode = status_of(file.get(), name).st_mode; !S_ISREG(mode) && !S_ISDIR(mode))
     throw Error(format("{}: is no regular file", name));
   return rest_of(file.get(), name, limit);
+}
+
+fs::path own_folder() {
+  std::error_code none;
+  return fs::read_symlink("/proc/self/exe", none).parent_path();
 }
 
 }  // namespace hapgrid

@@ -2,8 +2,10 @@
 // can be read at any offset even when it comes through a pipe.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
@@ -74,9 +76,16 @@ class OutputFile {
   std::unique_ptr<const std::string> temporary_;  // its name, if it has one before commit()
 };
 
+/// A text for people as a whole OutputFile. @throw std::system_error
+void write_text(const std::string& name, const std::string& text);
+
 /// Removes the files .hapgrid.XXXXXX of all output files of this process. For the handler of a
 /// signal that ends the process.
 void remove_unfinished_files() noexcept;
+
+/// What a zstd frame begins with (RFC 8878, 3.1.1).
+inline constexpr std::array kZstdMagic{std::byte{0x28}, std::byte{0xB5}, std::byte{0x2F},
+                                       std::byte{0xFD}};
 
 /// An input of which any part can be read at any time. A pipe is copied to an unlinked temporary
 /// file first (in TMPDIR, else /tmp), because a merge reads several places of its input at once. If
@@ -115,5 +124,8 @@ std::string read_text(const std::string& name, std::uint64_t limit);
 /// device has no end, and opening a pipe can wait for ever. "-" is a name as any other.
 /// @throw as read_text(); Error when it is no regular file.
 std::string read_regular_text(const std::string& name, std::uint64_t limit);
+
+/// The folder of this program; empty where the system does not say.
+std::filesystem::path own_folder();
 
 }  // namespace hapgrid

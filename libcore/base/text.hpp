@@ -2,6 +2,7 @@
 // terminal.
 #pragma once
 
+#include <charconv>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -20,6 +21,22 @@ std::string fixed(double value, int decimals);
 
 /// `value` with at most six significant digits, for people ("0.025", "1e-06").
 std::string rounded(double value);
+
+/// Reads a text that is a number and nothing else. @return whether it is one
+template <class Number>
+bool parse_number(std::string_view text, Number& value) {
+  const char* const end = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), end, value);
+  return read.ec == std::errc() && read.ptr == end;
+}
+
+/// The same for two numbers, and what stands between them.
+template <class Number>
+bool parse_two(std::string_view text, char between, Number& first, Number& second) {
+  const std::size_t at = text.find(between);
+  return at != text.npos && parse_number(text.substr(0, at), first) &&
+         parse_number(text.substr(at + 1), second);
+}
 
 /// One line of at most `limit` bytes, whatever a model, a shard or a file's name has in it. The
 /// control characters of ASCII become blanks. '?' stands for a byte that is no UTF-8, and for a

@@ -3,7 +3,6 @@
 #include <zstd.h>
 
 #include <array>
-#include <cstring>
 #include <memory>
 #include <new>
 #include <string_view>
@@ -27,13 +26,11 @@ auto* context_of_thread() {
   return context.get();
 }
 
-constexpr unsigned char kMagic[] = {0x28, 0xB5, 0x2F, 0xFD};
-
 /// Whether the content of the zstd frame that a file begins with begins with a zstd frame.
 bool is_zstd_in_zstd(std::span<const std::byte> start) {
   ZSTD_DCtx* const zstd = context_of_thread<ZSTD_createDCtx, ZSTD_freeDCtx>();
   ZSTD_DCtx_reset(zstd, ZSTD_reset_session_only);
-  std::array<std::byte, sizeof kMagic> content{};
+  std::array<std::byte, kZstdMagic.size()> content{};
   ZSTD_inBuffer in{start.data(), start.size(), 0};
   ZSTD_outBuffer out{content.data(), content.size(), 0};
   while (out.pos < out.size && in.pos < in.size) {
@@ -41,7 +38,7 @@ bool is_zstd_in_zstd(std::span<const std::byte> start) {
     if (ZSTD_isError(ZSTD_decompressStream(zstd, &out, &in)) || in.pos + out.pos == before) break;
   }
   ZSTD_DCtx_reset(zstd, ZSTD_reset_session_only);
-  return out.pos == out.size && std::memcmp(content.data(), kMagic, sizeof kMagic) == 0;
+  return out.pos == out.size && content == kZstdMagic;
 }
 
 }  // namespace
@@ -59,8 +56,8 @@ const char* outer_compression(const InputFile& file) {
 }
 
 bool starts_with_zstd_frame(const InputFile& file) {
-  std::array<std::byte, sizeof kMagic> start{};
-  return file.read(0, start) == sizeof kMagic && std::memcmp(start.data(), kMagic, 4) == 0;
+  std::array<std::byte, kZstdMagic.size()> start{};
+  return file.read(0, start) == start.size() && start == kZstdMagic;
 }
 
 std::size_t zstd_frame_size(std::span<const std::byte> bytes) {

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/file.hpp"
 #include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/model/plugin.h"
@@ -287,9 +288,8 @@ std::vector<fs::path> model_path() {
     for (std::string entry; std::getline(entries, entry, ':');)
       if (!entry.empty()) directories.emplace_back(entry);
   }
-  std::error_code ignored;
-  const fs::path self = fs::read_symlink("/proc/self/exe", ignored);
-  if (!ignored) directories.push_back(self.parent_path().parent_path() / "models");
+  if (const fs::path own = own_folder(); !own.empty())
+    directories.push_back(own.parent_path() / "models");
   return directories;
 }
 

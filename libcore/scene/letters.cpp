@@ -6,12 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <system_error>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/file.hpp"
 #include "libcore/base/format.hpp"
 
 namespace hapgrid {
@@ -42,9 +42,7 @@ void draw_ink(Image& image, const FT_GlyphSlot slot, int x, int y) {
 /// The font that lies in ../fonts beside the running program, as in a wheel, or else Debian's.
 std::string font() {
   std::error_code none;
-  const std::filesystem::path own =
-      std::filesystem::read_symlink("/proc/self/exe", none).parent_path() /
-      "../fonts/DejaVuSansMono.ttf";
+  const std::filesystem::path own = own_folder() / "../fonts/DejaVuSansMono.ttf";
   return std::filesystem::exists(own, none) ? own.string() : kFont;
 }
 

@@ -11,8 +11,8 @@
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 
+#include "libcore/base/file.hpp"
 #include "libcore/device/process_device.hpp"
 #include "libcore/loop/pacer.hpp"
 #include "libcore/loop/realtime.hpp"
@@ -28,10 +28,9 @@ int main(int argc, char** argv) {
   auto* written = static_cast<volatile std::int64_t*>(
       ::mmap(nullptr, 8, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0));
   ::setenv("HAPGRID_WRITTEN", file, 1);
-  const auto folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
   ProcessDevice device({.command = {argv + 2, argv + argc},
                         .name = "adapter",
-                        .guard = folder.parent_path() / "bin/hapgrid-guard"});
+                        .guard = own_folder().parent_path() / "bin/hapgrid-guard"});
   const Realtime realtime(RealtimeMode::kTry, &device);
   DeviceInput input;
   const std::atomic<int> stop{0};

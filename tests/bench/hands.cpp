@@ -52,7 +52,7 @@ void add_options(CommandLine& app, Options& options) {
          "Rule, as play has it.")
       .type("RULE")
       .check([](const std::string& name) { return rule_named(name).has_value(); },
-             "one of " + rule_names());
+             std::string("one of ") + kRuleNames);
   app.add("--beside", options.beside, "The model beside the grid, as play has it.")
       .type("on|off|TICKS")
       .check(is_beside, "on, off or a number of ticks");
@@ -143,11 +143,10 @@ int play(Options& options) {
                     /*live=*/false);
   SafetyCore safety(settings.safety);
   const CaughtSignals signals;
-  Viewers viewers(options.frames, "");
-  viewers.start(
-      grid.spec(), grid.create, rate, /*paced=*/false, caught_signal,
+  Viewers viewers(
+      options.frames, "", grid.spec(), grid.create, rate, /*paced=*/false, caught_signal,
       std::min(settings.safety.max_force, settings.safety.gain * follower.force.largest()));
-  PlayedForce force{follower.force, settings.safety.gain, mapping.scale()};
+  follower.force.set_device(settings.safety.gain, mapping.scale());
   Log log(options.log, grid, rate, /*paced=*/false, ~std::size_t{0},
           {.limits = settings.safety,
            .scale = mapping.scale(),
@@ -165,8 +164,8 @@ int play(Options& options) {
     now.given = 1e3 * device.work();
     now.returned = std::max(now.returned, now.given - now.stored);
   };
-  const LoopSummary summary = run_loop(device, mapping, *follower.traversal, safety, force, sink,
-                                       caught_signal, heartbeat, {.unpaced_hz = rate});
+  const LoopSummary summary = run_loop(device, mapping, *follower.traversal, safety, follower.force,
+                                       sink, caught_signal, heartbeat, {.unpaced_hz = rate});
   log.finish();
   viewers.finish();
   write(sessions, options.table);

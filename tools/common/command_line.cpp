@@ -221,9 +221,16 @@ Option CommandLine::add(const std::string& names, std::string& value, const std:
   return Option(*this, add_value(*app_, names, value, help)->type_name("TEXT"));
 }
 
-Option CommandLine::add(const std::string& names, double& value, const std::string& help) {
+template <class Number>
+requires std::is_arithmetic_v<Number> Option CommandLine::add(const std::string& names,
+                                                              Number& value,
+                                                              const std::string& help) {
   return Option(*this, add_value(*app_, names, value, help));
 }
+template Option CommandLine::add(const std::string&, double&, const std::string&);
+template Option CommandLine::add(const std::string&, int&, const std::string&);
+template Option CommandLine::add(const std::string&, unsigned&, const std::string&);
+template Option CommandLine::add(const std::string&, std::uint64_t&, const std::string&);
 
 Option CommandLine::add(const std::string& names, std::optional<double>& value,
                         const std::string& help) {
@@ -233,18 +240,6 @@ Option CommandLine::add(const std::string& names, std::optional<double>& value,
                              return CLI::detail::lexical_cast(given.back(), value.emplace());
                            },
                            help));
-}
-
-Option CommandLine::add(const std::string& names, int& value, const std::string& help) {
-  return Option(*this, add_value(*app_, names, value, help));
-}
-
-Option CommandLine::add(const std::string& names, unsigned& value, const std::string& help) {
-  return Option(*this, add_value(*app_, names, value, help));
-}
-
-Option CommandLine::add(const std::string& names, std::uint64_t& value, const std::string& help) {
-  return Option(*this, add_value(*app_, names, value, help));
 }
 
 Option CommandLine::add(const std::string& names, std::vector<std::string>& values,

@@ -9,6 +9,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace CLI {
@@ -77,11 +78,10 @@ class CommandLine {
   ~CommandLine();
 
   Option add(const std::string& names, std::string& value, const std::string& help);
-  Option add(const std::string& names, double& value, const std::string& help);
+  template <class Number>
+  requires std::is_arithmetic_v<Number> Option add(const std::string& names, Number& value,
+                                                   const std::string& help);
   Option add(const std::string& names, std::optional<double>& value, const std::string& help);
-  Option add(const std::string& names, int& value, const std::string& help);
-  Option add(const std::string& names, unsigned& value, const std::string& help);
-  Option add(const std::string& names, std::uint64_t& value, const std::string& help);
   Option add(const std::string& names, std::vector<std::string>& values, const std::string& help);
   Option add(const std::string& names, std::function<void(const std::string&)> use,
              const std::string& help);

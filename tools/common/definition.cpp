@@ -42,9 +42,10 @@ Definition load_definition(const DefinitionOptions& options, const std::string& 
       });
 }
 
-std::string read_toml(const std::string& name, std::uint64_t limit) {
+std::string read_toml(const std::string& name) {
   announce_terminal(name);
-  return name == "-" ? read_text(name, limit) : read_regular_text(name, limit);
+  return name == "-" ? read_text(name, kMaxDefinitionBytes)
+                     : read_regular_text(name, kMaxDefinitionBytes);
 }
 
 }  // namespace hapgrid

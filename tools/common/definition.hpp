@@ -29,6 +29,6 @@ void add_definition(CommandLine& app, DefinitionOptions& options);
 Definition load_definition(const DefinitionOptions& options, const std::string& output);
 
 /// The text of a TOML, a regular file or "-", standard input. @throw Error; std::system_error
-std::string read_toml(const std::string& name, std::uint64_t limit = kMaxDefinitionBytes);
+std::string read_toml(const std::string& name);
 
 }  // namespace hapgrid

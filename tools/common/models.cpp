@@ -18,8 +18,7 @@ std::string shown(const std::string& file) { return file == "-" ? "standard inpu
 /// Lets a model in Python find the module hapgrid of this installation, behind what PYTHONPATH has.
 void offer_python_module() {
   std::error_code ignored;
-  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", ignored);
-  const std::filesystem::path folder = self.parent_path().parent_path() / "python";
+  const std::filesystem::path folder = own_folder().parent_path() / "python";
   if (!std::filesystem::exists(folder / "hapgrid", ignored)) return;
   const char* given = std::getenv("PYTHONPATH");
   const std::string before = given && *given ? given + std::string(":") : "";

@@ -6,11 +6,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cstdio>
-#include <cstring>
 #include <exception>
 #include <iostream>
 #include <new>
@@ -64,20 +61,8 @@ void announce_terminal(const std::string& input) {
     say(program_invocation_short_name, "reads this terminal (Ctrl-D ends the input)");
 }
 
-void add_inputs(CommandLine& app, std::vector<std::string>& names, const std::string& help) {
-  app.add("shard", names, help + " ('-' or none: standard input)").type("SHARD");
-}
-
 void add_grid(CommandLine& app, std::string& name) {
   app.add("grid", name, "Grid to read ('-' or none: standard input)").type("GRID");
-}
-
-std::vector<std::string> inputs_or_stdin(std::vector<std::string> names) {
-  if (names.empty()) names.push_back("-");
-  if (std::count(names.begin(), names.end(), "-") > 1)
-    throw UsageError("standard input can be read only once");
-  for (const std::string& name : names) announce_terminal(name);
-  return names;
 }
 
 void add_output(CommandLine& app, std::string& name) {
@@ -86,20 +71,6 @@ void add_output(CommandLine& app, std::string& name) {
       .type("FILE")
       .writes()
       .shows_default();
-}
-
-std::pair<std::uint64_t, std::uint64_t> parse_part(const std::string& option,
-                                                   const std::string& text) {
-  std::uint64_t number = 0, of = 0;
-  const char* end = text.data() + text.size();
-  const auto first = std::from_chars(text.data(), end, number);
-  if (first.ec == std::errc() && first.ptr != end && *first.ptr == '/') {
-    const auto second = std::from_chars(first.ptr + 1, end, of);
-    if (second.ec == std::errc() && second.ptr == end && number >= 1 && number <= of &&
-        of < std::uint64_t{1} << 32)
-      return {number, of};
-  }
-  throw UsageError(format("{}: '{}' is not K/N with 1 <= K <= N < 2^32", option, text));
 }
 
 void add_cost(CommandLine& app, std::string& file) {

@@ -2,11 +2,8 @@
 // messages and exit codes.
 #pragma once
 
-#include <cstdint>
 #include <functional>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "tools/common/command_line.hpp"
 
@@ -19,23 +16,11 @@ inline constexpr int kExitInvalid =
     3;  ///< verify, check-model: the grid or the model breaks a rule
 inline constexpr int kExitNotProved = 4;  ///< verify: nothing is broken, but not all is proved
 
-/// The positional SHARD...
-void add_inputs(CommandLine& app, std::vector<std::string>& names, const std::string& help);
-
 /// The positional GRID, by default "-".
 void add_grid(CommandLine& app, std::string& name);
 
-/// What add_inputs() collected, with "-" where nothing was named.
-/// @throw UsageError when standard input is named twice: it can be read only once.
-std::vector<std::string> inputs_or_stdin(std::vector<std::string> names);
-
 /// The option -o, --output FILE, by default "-".
 void add_output(CommandLine& app, std::string& name);
-
-/// "K/N" with 1 <= K <= N < 2^32, which keeps the arithmetic of cutting inside 64 bits.
-/// @throw UsageError
-std::pair<std::uint64_t, std::uint64_t> parse_part(const std::string& option,
-                                                   const std::string& text);
 
 /// The option of work that can take long: --cost FILE (see append_cost()).
 void add_cost(CommandLine& app, std::string& file);

@@ -1,6 +1,8 @@
 #include "tools/common/traversals.hpp"
 
-#include "libcore/base/format.hpp"
+#include <algorithm>
+#include <iterator>
+
 #include "libcore/follow/branch_traversal.hpp"
 #include "libcore/follow/model_traversal.hpp"
 #include "libcore/follow/paper_traversal.hpp"
@@ -9,32 +11,17 @@ namespace hapgrid {
 
 namespace {
 
-struct Rule {
-  TraversalRule rule;
-  const char* name;
-};
-constexpr Rule kRules[] = {{TraversalRule::kPaper, "paper"},
-                           {TraversalRule::kBranch, "branch"},
-                           {TraversalRule::kModel, "model"}};
+// In the order of TraversalRule.
+constexpr const char* kNames[] = {"paper", "branch", "model"};
 
 }  // namespace
 
-const char* name_of(TraversalRule rule) {
-  for (const Rule& r : kRules)
-    if (r.rule == rule) return r.name;
-  return "";
-}
+const char* name_of(TraversalRule rule) { return kNames[static_cast<int>(rule)]; }
 
 std::optional<TraversalRule> rule_named(const std::string& name) {
-  for (const Rule& r : kRules)
-    if (name == r.name) return r.rule;
-  return std::nullopt;
-}
-
-std::string rule_names() {
-  std::string names;
-  for (const Rule& r : kRules) names += format("{}{}", names.empty() ? "" : ", ", r.name);
-  return names;
+  const auto* const found = std::find(std::begin(kNames), std::end(kNames), name);
+  if (found == std::end(kNames)) return std::nullopt;
+  return static_cast<TraversalRule>(found - std::begin(kNames));
 }
 
 std::function<std::unique_ptr<Traversal>()> traversals(TraversalRule rule, const Grid& grid,

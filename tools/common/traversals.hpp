@@ -12,13 +12,12 @@
 namespace hapgrid {
 
 enum class TraversalRule { kPaper, kBranch, kModel };
+inline constexpr char kRuleNames[] = "paper, branch, model";
 inline constexpr TraversalRule kDefaultRule = TraversalRule::kBranch;
 
 const char* name_of(TraversalRule rule);
 /// Nothing when no rule has that name.
 std::optional<TraversalRule> rule_named(const std::string& name);
-/// "paper, branch, model"
-std::string rule_names();
 
 /// Makes traversals of a grid that is loaded, all of which share what is computed of it once.
 /// @param create makes the grid's model; called only for a rule that asks it.

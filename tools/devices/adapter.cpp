@@ -7,9 +7,7 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cstdio>
-#include <cstring>
 #include <exception>
 #include <iterator>
 #include <string_view>
@@ -124,11 +122,6 @@ void print_list(const AdapterKind& kind) {
                 device.name.c_str(), device.forbidden.c_str());
 }
 
-bool read_rate(const std::string& text, double& rate) {
-  const auto read = std::from_chars(text.data(), text.data() + text.size(), rate);
-  return read.ec == std::errc() && read.ptr == text.data() + text.size();
-}
-
 }  // namespace
 
 bool is_told_to_end() {
@@ -147,7 +140,7 @@ int adapter_main(int argc, char** argv, const AdapterKind& kind) {
     if (word == "--release" || word == "--list" || word == "--help")
       what = word;
     else if (word == "--rate" && i + 1 < argc)
-      is_wrong = !read_rate(argv[++i], words.rate) || is_wrong;
+      is_wrong = !parse_number(argv[++i], words.rate) || is_wrong;
     else
       words.words.push_back(word);
   }

@@ -162,8 +162,7 @@ void release(const AdapterWords& words) {
 std::vector<Profile> known_profiles() {
   std::vector<Profile> profiles;
   std::error_code none;
-  const fs::path folder = fs::read_symlink("/proc/self/exe", none).parent_path() / "../devices";
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, none)) {
+  for (const auto& entry : fs::directory_iterator(own_folder() / "../devices", none)) {
     if (entry.path().extension() != ".toml") continue;
     try {
       const std::string file = fs::canonical(entry.path()).string();

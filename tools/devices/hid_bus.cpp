@@ -47,12 +47,7 @@ std::string names(const std::vector<HidInfo>& devices) {
 
 }  // namespace
 
-std::string hex4(unsigned value) {
-  constexpr char kDigits[] = "0123456789abcdef";
-  std::string text(4, '0');
-  for (int i = 3; i >= 0; --i, value >>= 4) text[static_cast<std::size_t>(i)] = kDigits[value & 15];
-  return text;
-}
+std::string hex4(unsigned value) { return format("{:04x}", value & 0xffff); }
 
 bool HidMatch::fits(const HidInfo& info) const {
   return (path.empty() || path == info.path) && (!vid || *vid == info.vid) &&

@@ -1,12 +1,11 @@
 #include "tools/expand/launcher.hpp"
 
-#include <charconv>
 #include <cstdint>
 #include <cstdlib>
-#include <cstring>
 #include <optional>
 
 #include "libcore/base/format.hpp"
+#include "libcore/base/text.hpp"
 #include "tools/common/command_line.hpp"
 
 namespace hapgrid {
@@ -23,10 +22,8 @@ constexpr std::uint64_t kMostParts = (std::uint64_t{1} << 32) - 1;
 std::uint64_t number(const std::string& name, std::uint64_t low, std::uint64_t high) {
   const char* const text = std::getenv(name.c_str());
   if (!text) refuse(format("{} is not set", name));
-  const char* const end = text + std::strlen(text);
   std::uint64_t value = 0;
-  const auto read = std::from_chars(text, end, value);
-  if (read.ec != std::errc() || read.ptr != end || value < low || value > high)
+  if (!parse_number(text, value) || value < low || value > high)
     refuse(format("{} is '{}', and not a number from {} to {}", name, text, low, high));
   return value;
 }

@@ -2,7 +2,6 @@
 
 #include <unistd.h>
 
-#include <charconv>
 #include <chrono>
 #include <cstdio>
 #include <exception>
@@ -11,6 +10,7 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
+#include "libcore/base/text.hpp"
 #include "libcore/follow/branch_nodes.hpp"
 #include "tools/common/tool.hpp"
 
@@ -23,11 +23,8 @@ constexpr std::chrono::milliseconds kPatience{500};
 
 std::optional<std::uint32_t> ticks_of(const std::string& text) {
   std::uint32_t ticks = 0;
-  const char* const end = text.data() + text.size();
-  const auto read = std::from_chars(text.data(), end, ticks);
-  const bool is_number =
-      read.ec == std::errc() && read.ptr == end && ticks > 0 && ticks <= kMostDelay;
-  return is_number ? std::optional(ticks) : std::nullopt;
+  const bool is_delay = parse_number(text, ticks) && ticks > 0 && ticks <= kMostDelay;
+  return is_delay ? std::optional(ticks) : std::nullopt;
 }
 
 }  // namespace

@@ -1,5 +1,3 @@
-#include "tools/play/bring_up.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -17,7 +15,7 @@
 #include "tools/common/tool.hpp"
 #include "tools/play/bring_up_measures.hpp"
 #include "tools/play/handle.hpp"
-#include "tools/play/try_device.hpp"
+#include "tools/play/instead.hpp"
 
 namespace hapgrid {
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
-#include <filesystem>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -25,10 +25,9 @@ namespace {
 enum class Argument { kNone, kNeeded, kMayBe };
 
 struct Form {
-  const char* name;
+  std::string_view kind;
   Argument argument;
-  const char* shown;
-  DeviceChoice (*make)(const std::string& argument);
+  std::string_view shown;
 };
 
 /// The words of a command; blanks stand between them, and quotes mean nothing.
@@ -46,33 +45,17 @@ std::vector<std::string> words_of(const std::string& command) {
   return words;
 }
 
-template <class Choice>
-DeviceChoice make(const std::string& argument) {
-  return Choice{argument};
-}
-
-template <const char* kKind>
-DeviceChoice make_adapter(const std::string& argument) {
-  return AdapterChoice{kKind, argument};
-}
-
-constexpr char kHid[] = "hid", kEvdev[] = "evdev", kSpaceMouse[] = "spacemouse",
-               kProcess[] = "process";
-
-DeviceChoice make_process(const std::string& argument) {
-  if (words_of(argument).empty()) throw UsageError("--device: process: names no program");
-  return AdapterChoice{kProcess, argument};
-}
+constexpr std::string_view kPath = "path", kKeys = "keys", kReplay = "replay", kEvdev = "evdev",
+                           kProcess = "process";
 
 constexpr Form kForms[] = {
-    {"path", Argument::kNeeded, "path:FILE", make<PathFile>},
-    {"keys", Argument::kNone, "keys",
-     [](const std::string&) { return DeviceChoice(TerminalKeys()); }},
-    {"replay", Argument::kNeeded, "replay:FILE", make<ReplayFile>},
-    {kHid, Argument::kNeeded, "hid:PROFILE", make_adapter<kHid>},
-    {kEvdev, Argument::kMayBe, "evdev[:WHICH]", make_adapter<kEvdev>},
-    {kSpaceMouse, Argument::kMayBe, "spacemouse[:WHICH]", make_adapter<kSpaceMouse>},
-    {kProcess, Argument::kNeeded, "process:COMMAND", make_process},
+    {kPath, Argument::kNeeded, "path:FILE"},
+    {kKeys, Argument::kNone, "keys"},
+    {kReplay, Argument::kNeeded, "replay:FILE"},
+    {"hid", Argument::kNeeded, "hid:PROFILE"},
+    {kEvdev, Argument::kMayBe, "evdev[:WHICH]"},
+    {"spacemouse", Argument::kMayBe, "spacemouse[:WHICH]"},
+    {kProcess, Argument::kNeeded, "process:COMMAND"},
 };
 
 /// Where keys begin to move the HIP.
@@ -111,11 +94,6 @@ OpenDevice open_adapter(AdapterProgram program) {
   return {.device = std::move(device), .session = {}, .adapter = adapter};
 }
 
-/// The folder of this program, in which the guard and our adapters are, too.
-std::filesystem::path own_folder() {
-  return std::filesystem::read_symlink("/proc/self/exe").parent_path();
-}
-
 }  // namespace
 
 DeviceChoice parse_device(const std::string& name) {
@@ -127,27 +105,31 @@ DeviceChoice parse_device(const std::string& name) {
     const bool fits = form.argument == Argument::kMayBe  ? given != argument.empty()
                       : form.argument == Argument::kNone ? !given
                                                          : !argument.empty();
-    if (name.substr(0, colon) == form.name && fits) return form.make(argument);
+    if (name.substr(0, colon) == form.kind && fits) {
+      if (form.kind == kProcess && words_of(argument).empty())
+        throw UsageError("--device: process: names no program");
+      return {std::string(form.kind), argument};
+    }
     forms += format("{}{}", forms.empty() ? "" : ", ", form.shown);
   }
   throw UsageError(format("--device: '{}' is not a device: {}", name, forms));
 }
 
 std::string input_file(const DeviceChoice& device) {
-  if (const auto* path = std::get_if<PathFile>(&device)) return path->file;
-  if (const auto* replay = std::get_if<ReplayFile>(&device)) return replay->file;
-  return "";
+  return device.kind == kPath || device.kind == kReplay ? device.argument : "";
 }
 
 bool is_live(const DeviceChoice& device) { return input_file(device).empty(); }
 
+bool has_adapter(const DeviceChoice& device) { return is_live(device) && device.kind != kKeys; }
+
 std::string keys_of(const DeviceChoice& device) {
-  if (!std::holds_alternative<TerminalKeys>(device)) return "";
+  if (device.kind != kKeys) return "";
   // A terminal has 80 columns.
   return "arrows: x, z  page up, down: y  + -: step  0: start  n: level  r: force  q: end";
 }
 
-AdapterProgram adapter_program(const AdapterChoice& choice, const PlaySettings& settings,
+AdapterProgram adapter_program(const DeviceChoice& choice, const PlaySettings& settings,
                                double rate_hz) {
   AdapterProgram program{.command = {}, .name = {}, .guard = own_folder() / "hapgrid-guard"};
   if (choice.kind == kProcess) {
@@ -173,24 +155,11 @@ AdapterProgram adapter_program(const AdapterChoice& choice, const PlaySettings& 
 
 OpenDevice open_device(const DeviceChoice& device, const PlaySettings& settings, double rate_hz,
                        const Box& box) {
-  struct Open {
-    const PlaySettings& settings;
-    double rate_hz;
-    const Box& box;
-
-    static OpenDevice live(std::unique_ptr<Device> device) {
-      return {.device = std::move(device), .session = {}};
-    }
-    OpenDevice operator()(const PathFile& path) const { return open_path(path.file); }
-    OpenDevice operator()(const ReplayFile& replay) const { return open_replay(replay.file); }
-    OpenDevice operator()(const TerminalKeys&) const {
-      return live(std::make_unique<KeyboardDevice>(box, start_of(settings, box), box.spacing / 2));
-    }
-    OpenDevice operator()(const AdapterChoice& adapter) const {
-      return open_adapter(adapter_program(adapter, settings, rate_hz));
-    }
-  };
-  return std::visit(Open{settings, rate_hz, box}, device);
+  if (device.kind == kPath) return open_path(device.argument);
+  if (device.kind == kReplay) return open_replay(device.argument);
+  if (device.kind != kKeys) return open_adapter(adapter_program(device, settings, rate_hz));
+  return {.device = std::make_unique<KeyboardDevice>(box, start_of(settings, box), box.spacing / 2),
+          .session = {}};
 }
 
 }  // namespace hapgrid

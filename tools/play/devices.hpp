@@ -4,8 +4,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <variant>
-#include <vector>
 
 #include "libcore/device/device.hpp"
 #include "libcore/device/process_device.hpp"
@@ -14,20 +12,12 @@
 
 namespace hapgrid {
 
-// What --device can name.
-struct PathFile {
-  std::string file;  ///< "-": standard input
+/// What --device names, as path, "walk.txt". Hardware has an adapter; those of hid, spacemouse and
+/// evdev lie beside this program, and process names any other.
+struct DeviceChoice {
+  std::string kind;      ///< what stands before the colon
+  std::string argument;  ///< what stands behind it
 };
-struct ReplayFile {
-  std::string file;
-};
-struct TerminalKeys {};
-/// Hardware, which an adapter drives. `kind` is "hid", "spacemouse" or "evdev", whose adapters lie
-/// beside this program, or "process"; `argument` is what stands behind it.
-struct AdapterChoice {
-  std::string kind, argument;
-};
-using DeviceChoice = std::variant<PathFile, ReplayFile, TerminalKeys, AdapterChoice>;
 
 /// Opens nothing. @throw UsageError for what is not a device's name
 DeviceChoice parse_device(const std::string& name);
@@ -38,9 +28,10 @@ std::string input_file(const DeviceChoice& device);
 std::string keys_of(const DeviceChoice& device);
 /// Whether a person moves the device, for as long as they like.
 bool is_live(const DeviceChoice& device);
+bool has_adapter(const DeviceChoice& device);
 
-/// How the adapter is started. @param rate_hz forces a second that were asked for; 0: none
-AdapterProgram adapter_program(const AdapterChoice& choice, const PlaySettings& settings,
+/// How its adapter is started. @param rate_hz forces a second that were asked for; 0: none
+AdapterProgram adapter_program(const DeviceChoice& choice, const PlaySettings& settings,
                                double rate_hz);
 
 /// A device that is open, and what play has to know about it.
@@ -55,8 +46,5 @@ struct OpenDevice {
 /// @throw DeviceError, Error, std::system_error
 OpenDevice open_device(const DeviceChoice& device, const PlaySettings& settings, double rate_hz,
                        const Box& box);
-
-/// Prints what --list-devices asks for.
-void print_devices();
 
 }  // namespace hapgrid

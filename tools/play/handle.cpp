@@ -14,7 +14,7 @@
 #include "libcore/base/format.hpp"
 #include "libcore/grid/vec3.hpp"
 #include "tools/common/signals.hpp"
-#include "tools/play/try_device.hpp"
+#include "tools/play/instead.hpp"
 
 namespace hapgrid {
 

@@ -28,7 +28,7 @@ void add_device_options(CommandLine& app, PlayOptions& options) {
          "'model' waits for the model in each tick. Default: branch.")
       .type("RULE")
       .check([](const std::string& name) { return rule_named(name).has_value(); },
-             "one of " + rule_names());
+             std::string("one of ") + kRuleNames);
   app.add(
          "--beside", [&](const std::string& text) { options.beside = text; },
          "Whether the model corrects the grid's state and force: 'on', which never makes a live "

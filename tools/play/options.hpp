@@ -38,4 +38,9 @@ inline constexpr double kDefaultRateHz = 1000;
 /// Binds them.
 void add_play_options(CommandLine& app, PlayOptions& options);
 
+/// To be called before anything is opened.
+/// @throw UsageError, Error for a command line that cannot be played: what is missing, excludes
+/// each other, or would replace an input.
+void require_possible(const PlayOptions& options);
+
 }  // namespace hapgrid

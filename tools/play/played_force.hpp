@@ -31,27 +31,30 @@ class PlayForce {
   /// The largest force of the grid's records, in newtons; infinite where it is not known.
   double largest() const { return largest_; }
 
+  /// What the device makes of forces and lengths. To be called before the first tick.
+  /// @param scale model units per metre; 0: not known
+  void set_device(double gain, double scale) {
+    gain_ = gain;
+    scale_ = scale;
+  }
+
   /// The force at the traversal's position, in each tick. Real-time safe, as far as the model.
   Vec3 operator()(const Traversal& traversal) noexcept {
-    return nodes_ ? (*nodes_)(traversal) : fields_.force(traversal.position(), traversal.row());
+    return last_ =
+               nodes_ ? (*nodes_)(traversal) : fields_.force(traversal.position(), traversal.row());
   }
-  /// NodeForce::account(); nothing for other forces. Real-time safe.
-  std::optional<double> account(const Traversal& traversal) const noexcept {
-    if (!has_energy_) return std::nullopt;
-    return nodes_->account(traversal);
-  }
-  /// The energy that the hand can get from the model there, in newtons times the model's unit of
-  /// length; nothing where it is not known. Real-time safe, as far as the model.
-  std::optional<double> model_energy(const Traversal& traversal) const noexcept {
-    if (has_energy_) return nodes_->energy(traversal);
-    if (!fields_.has_energy()) return std::nullopt;
-    return fields_.energy(traversal.position(), traversal.row()) * fields_.force_scale();
-  }
+  /// The energy in joules that the hand can get from the model there. Real-time safe, as far as the
+  /// model.
+  double model_energy(const Traversal& traversal) const noexcept;
+  /// NodeForce::account() in joules; nothing for other forces. Real-time safe.
+  std::optional<double> account(const Traversal& traversal) const noexcept;
 
  private:
   const Fields& fields_;
   bool has_energy_ = false;  // of the nodes
   double largest_ = std::numeric_limits<double>::infinity();
+  double gain_ = 1, scale_ = 0;
+  Vec3 last_{0, 0, 0};
   std::optional<NodeForce> nodes_;
 };
 

@@ -11,10 +11,6 @@ namespace hapgrid {
 
 namespace {
 
-// A contact of a model whose energy is not known counts as one that is as deep as this, in metres
-// of the hand: so deep that a tremor does not reach its end.
-constexpr double kUnknownDepth = 1e-3;
-
 Grid playable(const Section& section) {
   Grid grid = load_grid(section);
   require_playable(grid, section.file->name());
@@ -39,17 +35,5 @@ Follower::Follower(const PlayedGrid& grid, TraversalRule rule, const std::string
           make_beside(wanted, must, live, grid.grid, traversal->branch_nodes(), grid.create_exact)),
       force((traversal->walk_beside(beside.get()), grid.grid), traversal->branch_nodes(),
             grid.fields, std::move(records_)) {}
-
-double PlayedForce::model_energy(const Traversal& traversal) const {
-  if (!(scale > 0)) return 0;
-  const std::optional<double> energy = force.model_energy(traversal);
-  return gain * (energy ? *energy / scale : kUnknownDepth * length_of(last));
-}
-
-std::optional<double> PlayedForce::account(const Traversal& traversal) const {
-  const std::optional<double> account = force.account(traversal);
-  if (!account || !(scale > 0)) return std::nullopt;
-  return gain / scale * *account;
-}
 
 }  // namespace hapgrid

@@ -3,7 +3,6 @@
 
 #include <future>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "libcore/follow/beside.hpp"
@@ -50,18 +49,6 @@ struct Follower {
   const std::unique_ptr<Traversal> traversal;
   const std::unique_ptr<Beside> beside;  ///< null: the grid alone decides
   PlayForce force;
-};
-
-/// The force of a follower as the loop asks for it, with what the device makes of lengths and gain.
-struct PlayedForce {
-  PlayForce& force;
-  double gain;
-  double scale;  ///< model units per metre; 0: not known
-  Vec3 last{0, 0, 0};
-
-  Vec3 operator()(const Traversal& traversal) { return last = force(traversal); }
-  double model_energy(const Traversal& traversal) const;
-  std::optional<double> account(const Traversal& traversal) const;
 };
 
 }  // namespace hapgrid

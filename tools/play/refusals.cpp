@@ -1,5 +1,3 @@
-#include "tools/play/refusals.hpp"
-
 #include <unistd.h>
 
 #include <string>
@@ -12,6 +10,7 @@
 #include "tools/common/tool.hpp"
 #include "tools/play/beside.hpp"
 #include "tools/play/log.hpp"
+#include "tools/play/options.hpp"
 
 namespace hapgrid {
 
@@ -31,12 +30,12 @@ void check_files(const PlayOptions& options) {
 }  // namespace
 
 void require_possible(const PlayOptions& options) {
-  const bool has_adapter = options.device && std::holds_alternative<AdapterChoice>(*options.device);
+  const bool adapter = options.device && has_adapter(*options.device);
   // Without a grid, a device is brought up.
-  if (options.grid.empty() && !has_adapter) throw UsageError("grid is required");
+  if (options.grid.empty() && !adapter) throw UsageError("grid is required");
   if (!options.device) throw UsageError("--device is required");
   check_files(options);
-  if (has_adapter && options.rate_hz > 0 && options.rate_hz < kSlowestProcessHz)
+  if (adapter && options.rate_hz > 0 && options.rate_hz < kSlowestProcessHz)
     throw UsageError(
         format("--rate: an adapter lets go of the hand below {} Hz", rounded(kSlowestProcessHz)));
   if (options.beside && *options.beside != kBesideOff) {

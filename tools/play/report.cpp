@@ -150,9 +150,7 @@ void write_report(const std::string& file, const LoopSummary& s, const RunFacts&
     report["answers"] = {{"p90_us", microseconds(facts.answers->quantile(kLateShare))},
                          {"delay_ticks", answer_delay_ticks(facts)},
                          {"declared_ticks", facts.declared_delay}};
-  OutputFile output(file, /*binary=*/false);
-  output.write(json_text(report));
-  output.commit();
+  write_text(file, json_text(report));
 }
 
 }  // namespace hapgrid

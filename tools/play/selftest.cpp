@@ -1,5 +1,3 @@
-#include "tools/play/selftest.hpp"
-
 #include <time.h>
 
 #include <algorithm>
@@ -16,6 +14,7 @@
 #include "libcore/grid/grid.hpp"
 #include "tools/common/signals.hpp"
 #include "tools/common/tool.hpp"
+#include "tools/play/instead.hpp"
 #include "tools/play/report.hpp"
 
 namespace hapgrid {

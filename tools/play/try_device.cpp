@@ -1,5 +1,3 @@
-#include "tools/play/try_device.hpp"
-
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,6 +10,7 @@
 #include "libcore/loop/pacer.hpp"
 #include "tools/common/signals.hpp"
 #include "tools/common/tool.hpp"
+#include "tools/play/instead.hpp"
 
 namespace hapgrid {
 

@@ -48,22 +48,21 @@ struct Viewers::Slow {
   std::optional<FramePublisher> publisher;
 };
 
-Viewers::Viewers(std::string frames, std::string keys)
-    : name_(std::move(frames)), keys_(std::move(keys)), file_(!name_.empty()) {}
-Viewers::~Viewers() = default;
-
-void Viewers::start(const GridSpec& spec, const MakeModel& create, double rate_hz, bool paced,
-                    const std::atomic<int>& stop, double largest_force) {
-  if (!file_) return;
-  rate_hz_ = rate_hz;
+Viewers::Viewers(std::string frames, const std::string& keys, const GridSpec& spec,
+                 const MakeModel& create, double rate_hz, bool paced, const std::atomic<int>& stop,
+                 double largest_force)
+    : name_(std::move(frames)), rate_hz_(rate_hz) {
+  if (name_.empty()) return;
   slow_ = std::make_unique<Slow>(spec, create);
   Scene scene = scene_of(spec, slow_->fields);
-  scene.keys = keys_;
+  scene.keys = keys;
   scene.largest_force = largest_force;
   slow_->publisher.emplace(
       OutputFile(name_, /*binary=*/false), scene, spec.row_size(),
       [&fields = slow_->fields](Frame& frame) { complete(fields, frame); }, paced, rate_hz, stop);
 }
+
+Viewers::~Viewers() = default;
 
 void Viewers::show(const Tick& tick) {
   if (!slow_) return;
@@ -79,7 +78,7 @@ void Viewers::finish() {
 }
 
 void Viewers::print_summary() const {
-  if (file_)
+  if (counts_)
     say("play", format("frames written {}, dropped {}{}", counts_->written, counts_->dropped,
                        counts_->closed    ? "; the viewer closed its end before the last one"
                        : counts_->cut     ? "; the viewer stopped reading, the last one is cut"

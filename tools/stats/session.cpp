@@ -174,9 +174,7 @@ void run_session(InputFile file, const std::string& npy, bool as_json, const std
     return;
   }
   const Json report = session_json(session, statistics, energy);
-  OutputFile file_of_report(output, /*binary=*/false);
-  file_of_report.write(as_json ? json_text(report) : printable_text(session_text(session, report)));
-  file_of_report.commit();
+  write_text(output, as_json ? json_text(report) : printable_text(session_text(session, report)));
 }
 
 }  // namespace hapgrid

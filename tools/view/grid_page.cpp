@@ -1,13 +1,10 @@
 #include "tools/view/grid_page.hpp"
 
-#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
 
 #include <algorithm>
-#include <array>
-#include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <system_error>
@@ -16,6 +13,7 @@
 #include "libcore/base/file.hpp"
 #include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
+#include "libcore/base/zstd_frame.hpp"
 #include "libcore/model/plugin_model.hpp"
 #include "libcore/scene/scene.hpp"
 #include "tools/page/pack.hpp"
@@ -86,17 +84,11 @@ nlohmann::ordered_json player_data(const PackedGrid& packed, const std::string& 
 }  // namespace
 
 bool is_grid(const std::string& name) {
-  constexpr std::array<unsigned char, 4> kZstd{0x28, 0xb5, 0x2f, 0xfd};
-  std::array<unsigned char, 4> first{};
   // A pipe is not even opened: its writer would take that for its reader.
   struct stat status {};
   if ((name == "-" ? ::fstat(STDIN_FILENO, &status) : ::stat(name.c_str(), &status)) != 0)
     throw std::system_error(errno, std::generic_category(), name);
-  if (!S_ISREG(status.st_mode)) return false;
-  const FileDescriptor file(name == "-" ? ::dup(STDIN_FILENO)
-                                        : ::open(name.c_str(), O_RDONLY | O_CLOEXEC));
-  return file && ::pread(file.get(), first.data(), first.size(), 0) == ssize_t{first.size()} &&
-         first == kZstd;
+  return S_ISREG(status.st_mode) && starts_with_zstd_frame(InputFile(name));
 }
 
 std::string grid_page(const std::string& grid, const RenderOptions& render) {

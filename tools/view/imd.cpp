@@ -1,5 +1,3 @@
-#include "tools/view/imd.hpp"
-
 #include <sys/socket.h>
 
 #include <array>
@@ -11,6 +9,7 @@
 #include "libcore/base/format.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/view/imd_protocol.hpp"
+#include "tools/view/live.hpp"
 #include "tools/view/server.hpp"
 
 namespace hapgrid {
@@ -26,9 +25,9 @@ constexpr int kSendBuffer = 1 << 16;  // bytes; small, so that nobody sees what 
 
 class ImdServer : public Server {
  public:
-  ImdServer(const std::string& address, int port)
-      : Server(address, port, kProtocols.data(), LWS_SERVER_OPTION_ONLY_RAW) {
-    say("view", format("IMD on {}:{}", address, this->port()));
+  explicit ImdServer(const Place& place)
+      : Server(place, kProtocols.data(), LWS_SERVER_OPTION_ONLY_RAW) {
+    say("view", format("IMD on {}:{}", place.address, port()));
   }
   void run(const std::string& frames);
 
@@ -161,8 +160,6 @@ void ImdServer::say_once(bool& said, const std::string& text) {
 
 }  // namespace
 
-void run_imd(const std::string& frames, const std::string& address, int port) {
-  ImdServer(address, port).run(frames);
-}
+void run_imd(const std::string& frames, const Place& place) { ImdServer(place).run(frames); }
 
 }  // namespace hapgrid

@@ -17,29 +17,29 @@ namespace {
 bool can_be_ours(const std::string& address) {
   sockaddr_in place{};
   place.sin_family = AF_INET;
-  if (::inet_pton(AF_INET, address.c_str(), &place.sin_addr) != 1) return true;  // a name
+  ::inet_pton(AF_INET, address.c_str(), &place.sin_addr);
   const FileDescriptor socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
   return socket && ::bind(socket.get(), reinterpret_cast<sockaddr*>(&place), sizeof place) == 0;
 }
 
 }  // namespace
 
-Server::Server(const std::string& address, int port, const lws_protocols* protocols,
-               std::uint64_t lws_options) {
+Server::Server(const Place& place, const lws_protocols* protocols, std::uint64_t lws_options) {
   ::lws_set_log_level(0, nullptr);
   // Who is silent is asked after 5 s, and given up after 20 s.
   static const lws_retry_bo_t kPatience{nullptr, 0, 0, 5, 20, 0};
   lws_context_creation_info info{};
-  info.port = port;
-  info.iface = address.c_str();
+  info.port = place.port;
+  info.iface = place.address.c_str();
   info.protocols = protocols;
   info.retry_and_idle_policy = &kPatience;
   info.user = this;
   info.options =
       lws_options | LWS_SERVER_OPTION_DISABLE_IPV6 | LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND;
-  if (can_be_ours(address)) context_ = ::lws_create_context(&info);
+  if (can_be_ours(place.address)) context_ = ::lws_create_context(&info);
   if (!context_)
-    throw Error(format("cannot listen on port {} of {}: is another program there?", port, address));
+    throw Error(format("cannot listen on port {} of {}: is another program there?", place.port,
+                       place.address));
 }
 
 Server::~Server() {
@@ -92,18 +92,14 @@ int Server::port() const {
   return ::lws_get_vhost_listen_port(::lws_get_vhost_by_name(context_, "default"));
 }
 
-void Server::start(Timer& timer, lws_usec_t after) {
-  ::lws_sul_schedule(
-      context_, 0, &timer, [](lws_sorted_usec_list_t* list) { static_cast<Timer*>(list)->act(); },
-      after);
-}
-
 void Server::end_after(lws_usec_t time) {
-  farewell_.act = [this] {
-    done_ = true;
-    ::lws_cancel_service(context_);
+  farewell_.server = this;
+  const auto end = [](lws_sorted_usec_list_t* list) {
+    Server* const server = static_cast<Farewell*>(list)->server;
+    server->done_ = true;
+    ::lws_cancel_service(server->context_);
   };
-  start(farewell_, time);
+  ::lws_sul_schedule(context_, 0, &farewell_, end, time);
 }
 
 }  // namespace hapgrid

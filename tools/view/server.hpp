@@ -5,12 +5,12 @@
 #include <libwebsockets.h>
 
 #include <exception>
-#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "tools/view/feed.hpp"
+#include "tools/view/live.hpp"
 
 namespace hapgrid {
 
@@ -21,10 +21,8 @@ class Server {
   Server& operator=(const Server&) = delete;
 
  protected:
-  /// Listens. @param address IPv4 @param port 0: one that is free
-  /// @param protocols each of their callbacks is `call` @throw Error
-  Server(const std::string& address, int port, const lws_protocols* protocols,
-         std::uint64_t lws_options);
+  /// Listens. @param protocols each of their callbacks is `call` @throw Error
+  Server(const Place& place, const lws_protocols* protocols, std::uint64_t lws_options);
 
   static int call(lws* wsi, lws_callback_reasons reason, void* user, void* in, size_t size);
   /// What a callback of libwebsockets answers.
@@ -42,10 +40,6 @@ class Server {
   void serve();
   int port() const;
 
-  struct Timer : lws_sorted_usec_list_t {
-    std::function<void()> act;
-  };
-  void start(Timer& timer, lws_usec_t after);
   /// Ends serve() so much later.
   void end_after(lws_usec_t time);
 
@@ -59,7 +53,9 @@ class Server {
   bool done_ = false;
   std::exception_ptr failure_;  // of a callback, which is C's
   lws_context* context_ = nullptr;
-  Timer farewell_{};
+  struct Farewell : lws_sorted_usec_list_t {
+    Server* server;
+  } farewell_{};
 };
 
 }  // namespace hapgrid

@@ -1,5 +1,3 @@
-#include "tools/view/terminal.hpp"
-
 #include <poll.h>
 #include <signal.h>
 #include <sys/eventfd.h>
@@ -19,6 +17,7 @@
 #include "libcore/scene/render.hpp"
 #include "tools/common/terminal_turn.hpp"
 #include "tools/view/feed.hpp"
+#include "tools/view/live.hpp"
 #include "tools/view/pixels.hpp"
 #include "tools/view/screen.hpp"
 #include "tools/view/status.hpp"
@@ -158,11 +157,7 @@ void run_terminal(const std::string& frames, const RenderOptions& how, const std
     }
   }
   if (ending_signal()) die_of(ending_signal());
-  if (any) {
-    OutputFile output("-", /*binary=*/false);
-    output.write(display.last(frame));
-    output.commit();
-  }
+  if (any) write_text("-", display.last(frame));
   feed.check();
 }
 

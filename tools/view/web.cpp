@@ -1,8 +1,6 @@
 // The page comes by HTTP; the scene, frames and the end go over a WebSocket. Pages only watch: what
 // they send confirms what came.
 
-#include "tools/view/web.hpp"
-
 #include <sys/random.h>
 #include <unistd.h>
 
@@ -21,6 +19,7 @@
 #include "libcore/base/file.hpp"
 #include "libcore/base/format.hpp"
 #include "tools/common/tool.hpp"
+#include "tools/view/live.hpp"
 #include "tools/view/page/page.hpp"
 #include "tools/view/server.hpp"
 
@@ -57,8 +56,8 @@ std::string header(lws* wsi, std::string_view name) {
 
 class WebServer : public Server {
  public:
-  explicit WebServer(const WebOptions& options)
-      : Server(options.address, options.port, kProtocols.data(), 0), options_(options) {}
+  WebServer(const Place& place, const RenderOptions& how)
+      : Server(place, kProtocols.data(), 0), place_(place), how_(how) {}
   /// Waits for the scene, says the page's address, and serves.
   void run(const std::string& frames);
 
@@ -88,7 +87,8 @@ class WebServer : public Server {
       {{"http", call, 0, 0, 0, nullptr, 0},
        {"hapgrid", call, 0, 4096, 0, nullptr, 0},
        {nullptr, nullptr, 0, 0, 0, nullptr, 0}}};
-  const WebOptions& options_;
+  const Place& place_;
+  const RenderOptions& how_;
   std::string token_ = random_token();
   std::string page_ = page_text("null", "");
   std::map<lws*, Client> clients_;
@@ -97,17 +97,15 @@ class WebServer : public Server {
 
 std::string WebServer::address() const {
   std::array<char, 256> host{};
-  const bool any = options_.address == "0.0.0.0";
+  const bool any = place_.address == "0.0.0.0";
   if (any) static_cast<void>(::gethostname(host.data(), host.size() - 1));
-  return format("http://{}:{}/{}/", any ? host.data() : options_.address, port(), token_);
+  return format("http://{}:{}/{}/", any ? host.data() : place_.address, port(), token_);
 }
 
 void WebServer::run(const std::string& frames) {
   open(frames);
-  OutputFile output("-", /*binary=*/false);
-  output.write(address() + "\n");
-  output.commit();
-  if (std::getenv("SSH_CONNECTION") && options_.address == "127.0.0.1")
+  write_text("-", address() + "\n");
+  if (std::getenv("SSH_CONNECTION") && place_.address == "127.0.0.1")
     say("view", format("over ssh: on your own machine, ssh -L {}:127.0.0.1:{} and the name of this "
                        "one; then open the address there. Ctrl-C here ends it.",
                        port(), port()));
@@ -193,7 +191,7 @@ int WebServer::hear(lws* wsi, std::string_view text) {
 }
 
 std::string WebServer::scene_text() const {
-  return script_of({{"scene", page_scene(feed_->scene(), frame_, options_.render)}});
+  return script_of({{"scene", page_scene(feed_->scene(), frame_, how_)}});
 }
 
 /// One message at a time: libwebsockets asks again when the next one can go.
@@ -235,13 +233,13 @@ void WebServer::finish() {
 
 }  // namespace
 
-void run_web(const std::string& frames, const WebOptions& options) {
-  WebServer server(options);
-  if (!options.address.starts_with("127."))
+void run_web(const std::string& frames, const Place& place, const RenderOptions& how) {
+  WebServer server(place, how);
+  if (!place.address.starts_with("127."))
     say("view",
         format("whoever reaches {} and learns the page's address can watch; nothing on the way "
                "is encrypted",
-               options.address));
+               place.address));
   server.run(frames);
 }
 
