@@ -4,7 +4,7 @@ source "$(dirname "$0")/../lib.sh"
 core=$HAPGRID_SOURCE/libcore
 read -ra letters < <(pkg-config --cflags freetype2)
 # In one piece, since g++ takes longest for the headers.
-printf '#include "%s"\n' "$core"/base/{format,text}.cpp "$core/grid/box.cpp" \
+printf '#include "%s"\n' "$core"/base/{file,format,text}.cpp "$core/grid/box.cpp" \
   "$core"/scene/{drawing,legend,letters,render,scene}.cpp "$here/bytes.cpp" >plain.cpp
 g++ -std=c++20 -O0 -w -ffp-contract=off -I"$HAPGRID_SOURCE" "${letters[@]}" plain.cpp -lfmt -lfreetype -lpng -lutf8proc -o plain
 ./plain >plain.pixels
