@@ -104,9 +104,10 @@ def write(work: Work, name: str, values: Values) -> list[str]:
     scale = json.loads(work.run("stats", grid, "--format", "json")[0]).get("force_scale")
     e = values.energy
     unit, length = values.unit or "units of energy", values.length_unit or "units of length"
+    steps = np.linalg.norm(values.axes, axis=1)
     facts = {"values": " × ".join(map(str, e.shape)), "lowest, highest energy": f"{e.min():.4g}, {e.max():.4g} {unit}",
              "wall": "none" if values.wall is None else f"{values.wall:g} {unit}",
-             "lowest point": ", ".join(f"{v:.4g}" for v in values.place(values.lowest())) + f" {length}",
+             "lowest point": ", ".join(map(style.place, values.place(values.lowest()), steps)) + f" {length}",
              "largest force": f"{values.force:g} N",
              "force on the device": scale and f"{scale:.4g} N for 1 {unit} in 1 {length}"}
     return [*made, *page.write(work, "table/page.html", facts=facts)]
