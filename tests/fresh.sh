@@ -77,10 +77,10 @@ do_installed() {
   felt hapgrid feel "$(hapgrid data)/hung-ball.grid"
 }
 do_wheel() { .ci/wheel; }
-# Debian's numpy and matplotlib stand for those that pip would get.
+# Debian's numpy, matplotlib and jinja2 stand for those that pip would get.
 do_pip() {
   apt-get update -qq
-  apt-get install -qq --no-install-recommends python3-venv python3-matplotlib
+  apt-get install -qq --no-install-recommends python3-venv python3-jinja2 python3-matplotlib
   useradd --create-home user
   su user -c "cd && exec bash $PWD/tests/fresh.sh --do user"
 }
