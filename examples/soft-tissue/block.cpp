@@ -26,11 +26,17 @@ Vec3 displacement(const Vector& u, int node) {
   return node < 0 ? Vec3::Zero() : Vec3(u.segment<3>(3 * node));
 }
 
-/// Adds the 3 x 3 block of a pair of nodes to the lower triangle's values.
-void add_block(const std::array<int, 3>& slots, bool on_diagonal, const Matrix3& block,
-               double* values) {
-  for (int c = 0; c < 3; ++c)
-    for (int r = on_diagonal ? c : 0; r < 3; ++r) values[slots[c] + r] += block(r, c);
+/// Adds the 3 x 3 block of two nodes that count. The rows of each column follow each other in the
+/// pattern.
+void add_block(int a, int b, const Matrix3& block, Matrix& k) {
+  const int* rows = k.innerIndexPtr();
+  for (int c = 0; c < 3; ++c) {
+    const int first = a == b ? c : 0;
+    const int* column = k.outerIndexPtr() + 3 * b + c;
+    const int* found = std::lower_bound(rows + column[0], rows + column[1], 3 * a + first);
+    double* value = k.valuePtr() + (found - rows);
+    for (int r = first; r < 3; ++r) *value++ += block(r, c);
+  }
 }
 
 }  // namespace
@@ -124,8 +130,7 @@ double Block::energy(const Vector& u, const Vec3& centre, Vector& gradient) cons
 /// (Fb)(Fa)^T)].
 void Block::tangent(const Vector& u, const Vec3& centre, Matrix& k) const {
   if (k.nonZeros() != pattern_.nonZeros()) k = pattern_;
-  double* values = k.valuePtr();
-  std::fill_n(values, k.nonZeros(), 0.0);
+  k.coeffs().setZero();
   for (const Tetrahedron& t : tetrahedra_) {
     Matrix3 f = Matrix3::Identity();
     for (int a = 0; a < 4; ++a)
@@ -137,12 +142,12 @@ void Block::tangent(const Vector& u, const Vec3& centre, Matrix& k) const {
     for (int a = 0; a < 4; ++a) turned[a] = f * t.slope[a];
     for (int a = 0; a < 4; ++a)
       for (int b = 0; b < 4; ++b) {
-        if (t.slot[a][b][0] < 0) continue;
+        if (!counts(t.node[a], t.node[b])) continue;
         Matrix3 block = t.slope[a].dot(t.slope[b]) * left;
         block.noalias() += lambda_ * turned[a] * turned[b].transpose();
         block.noalias() += mu_ * turned[b] * turned[a].transpose();
         block.diagonal().array() += t.slope[a].dot(stress * t.slope[b]);
-        add_block(t.slot[a][b], t.node[a] == t.node[b], t.volume * block, values);
+        add_block(t.node[a], t.node[b], t.volume * block, k);
       }
   }
   for_contacts(u, centre,
@@ -153,9 +158,8 @@ void Block::tangent(const Vector& u, const Vec3& centre, Matrix& k) const {
                  block.diagonal().array() -= around;
                  for (int a = 0; a < 3; ++a)
                    for (int b = 0; b < 3; ++b)
-                     if (t.slot[a][b][0] >= 0)
-                       add_block(t.slot[a][b], t.node[a] == t.node[b],
-                                 area * weights[a] * weights[b] * block, values);
+                     if (counts(t.node[a], t.node[b]))
+                       add_block(t.node[a], t.node[b], area * weights[a] * weights[b] * block, k);
                });
 }
 

@@ -56,6 +56,9 @@ struct Options {
   int max_iterations = 60;           ///< steps of Newton's method for one equilibrium
 };
 
+/// Whether the block of a pair of nodes belongs to the lower triangle, and neither is fixed.
+inline bool counts(int a, int b) { return b >= 0 && a >= b; }
+
 class Block {
  public:
   explicit Block(const Options& options);
@@ -94,15 +97,11 @@ class Block {
     std::array<int, 4> node;    ///< free nodes; negative on the ground
     std::array<Vec3, 4> slope;  ///< gradients of the shape functions, 1/mm
     double volume;
-    /// For each pair of nodes (a, b) with node a >= node b: where the columns of their 3 x 3 block
-    /// start among the tangent's values. -1 where a node is fixed or node a < node b.
-    std::array<std::array<std::array<int, 3>, 4>, 4> slot;
   };
   struct Triangle {
     std::array<int, 3> node;  ///< free nodes; negative on the ground
     std::array<Vec3, 3> rest;
     double area;
-    std::array<std::array<std::array<int, 3>, 3>, 3> slot;
   };
   struct Contact {
     double energy;    ///< per area
@@ -115,8 +114,6 @@ class Block {
   int free_node(int i, int j, int k) const;
   void build_tetrahedra();
   void build_triangles();
-  void build_pattern();
-  std::array<int, 3> find_slots(int a, int b) const;
   Contact contact(double gap) const;
   template <class F>
   void for_contacts(const Vector& u, const Vec3& centre, F&& f) const;

@@ -1,5 +1,4 @@
-// The block's mesh: the tetrahedra, the triangles of the free surface, and the pattern that they
-// give the second derivative.
+// The block's mesh: the tetrahedra, and the triangles of the free surface.
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
@@ -29,7 +28,21 @@ Block::Block(const Options& options) : options_(options) {
   first_free_ = static_cast<std::size_t>(node_at(0, 0, 1));
   build_tetrahedra();
   build_triangles();
-  build_pattern();
+  const auto n = static_cast<Eigen::Index>(unknowns());
+  std::vector<Eigen::Triplet<double>> entries;
+  for (const Tetrahedron& t : tetrahedra_)
+    for (const int a : t.node)
+      for (const int b : t.node)
+        if (counts(a, b))
+          for (int c = 0; c < 3; ++c)
+            for (int r = a == b ? c : 0; r < 3; ++r)
+              entries.emplace_back(3 * a + r, 3 * b + c, 0.0);
+  pattern_.resize(n, n);
+  pattern_.setFromTriplets(entries.begin(), entries.end());
+  solver_.analyzePattern(pattern_);
+  Matrix k;
+  tangent(Vector::Zero(n), Vec3(0, 0, std::numeric_limits<double>::infinity()), k);
+  typical_stiffness_ = Vector(k.diagonal()).mean();
 }
 
 int Block::node_at(int i, int j, int k) const {
@@ -105,49 +118,6 @@ void Block::build_triangles() {
           std::find(t.node.begin(), t.node.end(), static_cast<int>(node)) != t.node.end();
     if (is_on_surface) surface_.push_back(node);
   }
-}
-
-/// Finds the pattern of the second derivative, the places of each element's blocks in it, and the
-/// order of elimination.
-void Block::build_pattern() {
-  std::vector<Eigen::Triplet<double>> entries;
-  for (const Tetrahedron& t : tetrahedra_)
-    for (const int a : t.node)
-      for (const int b : t.node) {
-        if (b < 0 || a < b) continue;
-        for (int c = 0; c < 3; ++c)
-          for (int r = a == b ? c : 0; r < 3; ++r) entries.emplace_back(3 * a + r, 3 * b + c, 0.0);
-      }
-  const auto n = static_cast<Eigen::Index>(unknowns());
-  pattern_.resize(n, n);
-  pattern_.setFromTriplets(entries.begin(), entries.end());
-  pattern_.makeCompressed();
-  for (Tetrahedron& t : tetrahedra_)
-    for (int a = 0; a < 4; ++a)
-      for (int b = 0; b < 4; ++b) t.slot[a][b] = find_slots(t.node[a], t.node[b]);
-  for (Triangle& t : triangles_)
-    for (int a = 0; a < 3; ++a)
-      for (int b = 0; b < 3; ++b) t.slot[a][b] = find_slots(t.node[a], t.node[b]);
-  solver_.analyzePattern(pattern_);
-
-  Matrix k;
-  tangent(Vector::Zero(n), Vec3(0, 0, std::numeric_limits<double>::infinity()), k);
-  typical_stiffness_ = Vector(k.diagonal()).mean();
-}
-
-std::array<int, 3> Block::find_slots(int a, int b) const {
-  std::array<int, 3> slots{-1, -1, -1};
-  if (b < 0 || a < b) return slots;
-  for (int c = 0; c < 3; ++c) {
-    const int row = 3 * a + (a == b ? c : 0);
-    const int* begin = pattern_.innerIndexPtr() + pattern_.outerIndexPtr()[3 * b + c];
-    const int* end = pattern_.innerIndexPtr() + pattern_.outerIndexPtr()[3 * b + c + 1];
-    const int* found = std::lower_bound(begin, end, row);
-    // Row r of the block is then at slot + r, on the diagonal as well, where only rows r >= c
-    // exist.
-    slots[c] = static_cast<int>(found - pattern_.innerIndexPtr()) - (a == b ? c : 0);
-  }
-  return slots;
 }
 
 }  // namespace soft_tissue

@@ -124,7 +124,6 @@ void find_symmetry_of_line(Ligand& ligand) {
 
 /// A turn is fixed by where it brings two atoms that are not on one line with the centre.
 void find_symmetry(Ligand& ligand) {
-  ligand.symmetry = {{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}};
   const auto& atoms = ligand.atoms;
   std::size_t first = 0, second = 0;
   double most = 0;
@@ -158,44 +157,24 @@ void find_symmetry(Ligand& ligand) {
 }  // namespace
 
 double Ligand::distance(const double* a, const double* b) const {
-  if (!torsions.empty()) {
-    std::array<Vector, kMostAtoms> at_a, at_b;
-    double angles[kMostTorsions];  // of b, as near to those of a as the periods allow
-    for (std::size_t t = 0; t < torsions.size(); ++t)
-      angles[t] = a[6 + t] + std::remainder(b[6 + t] - a[6 + t], torsions[t].period);
-    bend(a + 6, at_a.data());
-    bend(angles, at_b.data());
+  std::array<Vector, kMostAtoms> at_a, at_b;
+  double angles[kMostTorsions];  // of b, as near to those of a as the periods allow
+  for (std::size_t t = 0; t < torsions.size(); ++t)
+    angles[t] = a[6 + t] + std::remainder(b[6 + t] - a[6 + t], torsions[t].period);
+  bend(a + 6, at_a.data());
+  bend(angles, at_b.data());
+  double least = 1e300;
+  for (const Matrix& turn : symmetry) {
     double sum = 0;
     for (std::size_t i = 0; i < atoms.size(); ++i) {
       Vector p, q;
       orientation::apply(a, at_a[i].data(), p.data());
-      orientation::apply(b, at_b[i].data(), q.data());
+      orientation::apply(b, times(turn, at_b[i]).data(), q.data());
       sum += dot(minus(p, q), minus(p, q));
     }
-    return std::sqrt(sum / static_cast<double>(atoms.size()));
+    least = std::min(least, sum);
   }
-  const auto third = [](const double* c) {
-    return Vector{c[1] * c[5] - c[2] * c[4], c[2] * c[3] - c[0] * c[5], c[0] * c[4] - c[1] * c[3]};
-  };
-  const Vector a3 = third(a), b3 = third(b);
-  Matrix turn;  // A^T B
-  for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 3; ++c) {
-      turn[r][c] = 0;
-      for (int k = 0; k < 3; ++k)
-        turn[r][c] += (r < 2 ? a[3 * r + k] : a3[k]) * (c < 2 ? b[3 * c + k] : b3[k]);
-    }
-  // The sum of |A b - B S b|² is 2 (the trace of M - the trace of A^T B S M), M = spread.
-  double best = -1e300;
-  for (const Matrix& s : symmetry) {
-    double trace = 0;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j)
-        for (int k = 0; k < 3; ++k) trace += turn[i][j] * s[j][k] * spread[k][i];
-    best = std::max(best, trace);
-  }
-  const double sum = 2 * (spread[0][0] + spread[1][1] + spread[2][2] - best);
-  return std::sqrt(std::max(0.0, sum) / static_cast<double>(atoms.size()));
+  return std::sqrt(least / static_cast<double>(atoms.size()));
 }
 
 void Ligand::bend(const double* angles, Vector* places) const {
@@ -285,17 +264,10 @@ void keep_torsions(Ligand& ligand, const std::vector<std::size_t>& kept) {
   for (const Atom& atom : ligand.atoms)
     for (int a = 0; a < 3; ++a)
       centre[a] += atom.place[a] / static_cast<double>(ligand.atoms.size());
-  ligand.spread = {};
-  for (Atom& atom : ligand.atoms) {
-    atom.place = minus(atom.place, centre);
-    for (int r = 0; r < 3; ++r)
-      for (int c = 0; c < 3; ++c) ligand.spread[r][c] += atom.place[r] * atom.place[c];
-  }
+  for (Atom& atom : ligand.atoms) atom.place = minus(atom.place, centre);
   for (Torsion& torsion : ligand.torsions) find_period(ligand, torsion);
-  if (ligand.torsions.empty())
-    find_symmetry(ligand);
-  else
-    ligand.symmetry = {{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}};
+  ligand.symmetry = {{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}};
+  if (ligand.torsions.empty()) find_symmetry(ligand);
 }
 
 std::string element_of(const std::string& type) {

@@ -34,7 +34,6 @@ inline constexpr std::size_t kMostHostAtoms = 500;                 // of a host 
 
 struct Ligand {
   std::vector<Atom> atoms;
-  Matrix spread{};  ///< the sum of b b^T over the atoms' places b
   /// The bonds that turn. The atoms beyond one of them are beyond an earlier one as well, or none
   /// of them is.
   std::vector<Torsion> torsions;
