@@ -93,6 +93,7 @@ std::vector<Row> random_rows(Random& random, const SectionHeader& header, std::s
     rows[record_key(row.point, row.level)] = row;
   }
   std::vector<Row> sorted;
+  sorted.reserve(rows.size());
   for (auto& [key, row] : rows) sorted.push_back(std::move(row));
   return sorted;
 }
