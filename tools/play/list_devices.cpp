@@ -77,7 +77,7 @@ std::string devices_table() {
   std::error_code none;
   std::set<std::string> adapters;
   for (const auto& entry : fs::directory_iterator(own_folder() / "../devices", none))
-    if (entry.path().extension() != ".toml")
+    if (!entry.is_directory(none) && entry.path().extension() != ".toml")
       adapters.insert(fs::weakly_canonical(entry.path()).string());
   for (const std::string& adapter : adapters) {
     const bool is_python = fs::path(adapter).extension() == ".py";
