@@ -4,7 +4,8 @@
 #   source "$(dirname "$0")/../lib.sh"
 #
 # It sets -euo pipefail, puts the filters of HAPGRID_BIN first on the PATH (`expand` is also a program
-# of coreutils), and goes to a new empty directory that is removed at the end.
+# of coreutils) and Debian's python3, which has Debian's modules, before any other, and goes to a new empty
+# directory that is removed at the end.
 # ctest sets HAPGRID_BIN, HAPGRID_SOURCE and HAPGRID_BUILD; when a test is run by hand they are guessed.
 set -euo pipefail
 

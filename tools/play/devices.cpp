@@ -96,6 +96,12 @@ OpenDevice open_adapter(AdapterProgram program) {
 
 }  // namespace
 
+std::string own_program(const std::string& name) {
+  const std::filesystem::path folder = own_folder();
+  if (folder.empty()) throw Error("the folder of play is not known: is /proc mounted?");
+  return folder / name;
+}
+
 DeviceChoice parse_device(const std::string& name) {
   const std::size_t colon = name.find(':');
   const bool given = colon != std::string::npos;
@@ -131,7 +137,7 @@ std::string keys_of(const DeviceChoice& device) {
 
 AdapterProgram adapter_program(const DeviceChoice& choice, const PlaySettings& settings,
                                double rate_hz) {
-  AdapterProgram program{.command = {}, .name = {}, .guard = own_folder() / "hapgrid-guard"};
+  AdapterProgram program{.command = {}, .name = {}, .guard = own_program("hapgrid-guard")};
   if (choice.kind == kProcess) {
     program.command = words_of(choice.argument);
     for (const std::string& word : program.command)
@@ -140,7 +146,7 @@ AdapterProgram adapter_program(const DeviceChoice& choice, const PlaySettings& s
     return program;
   }
   program.name = "hapgrid-" + choice.kind;
-  program.command = {own_folder() / program.name};
+  program.command = {own_program(program.name)};
   if (rate_hz > 0) program.command.insert(program.command.end(), {"--rate", to_text(rate_hz)});
   program.command.push_back(choice.argument);
   if (choice.kind == kEvdev) {

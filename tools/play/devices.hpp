@@ -30,6 +30,9 @@ std::string keys_of(const DeviceChoice& device);
 bool is_live(const DeviceChoice& device);
 bool has_adapter(const DeviceChoice& device);
 
+/// The path of a program that lies beside play, an adapter or the guard. @throw Error where the
+/// system does not say which folder that is
+std::string own_program(const std::string& name);
 /// How its adapter is started. @param rate_hz forces a second that were asked for; 0: none
 AdapterProgram adapter_program(const DeviceChoice& choice, const PlaySettings& settings,
                                double rate_hz);

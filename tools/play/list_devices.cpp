@@ -5,10 +5,12 @@
 #include <system_error>
 #include <vector>
 
+#include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
 #include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/model/process.hpp"
+#include "tools/play/devices.hpp"
 #include "tools/play/instead.hpp"
 
 namespace hapgrid {
@@ -18,12 +20,14 @@ namespace fs = std::filesystem;
 namespace {
 
 /// What an adapter writes with --list. @throw Error
-std::string list_of(Launcher& launcher, const fs::path& adapter) {
-  ChildProcess child(launcher, {adapter.string(), "--list"}, "");
+std::string list_of(Launcher& launcher, const std::string& adapter) try {
+  ChildProcess child(launcher, {own_program(adapter), "--list"}, "");
   child.hang_up();
   while (child.pump(ChildProcess::Clock::time_point::max()) == ChildProcess::Event::kMoved) {
   }
   return std::string(child.rest());
+} catch (const Error& e) {
+  throw Error(format("{}: {}", adapter, e.what()));
 }
 
 /// With backslashes, as `process:` needs it where a path has blanks.
@@ -45,7 +49,7 @@ std::vector<Row> found(std::set<std::string>& helps) {
   std::vector<Row> rows;
   Launcher launcher;
   for (const char* adapter : {"hapgrid-hid", "hapgrid-spacemouse", "hapgrid-evdev"}) {
-    std::istringstream lines(list_of(launcher, own_folder() / adapter));
+    std::istringstream lines(list_of(launcher, adapter));
     for (std::string line; std::getline(lines, line);) {
       std::istringstream fields(line);
       Row row;
